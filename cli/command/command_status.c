@@ -81,6 +81,17 @@ static void print_turns(const struct json_node *status)
     printf("\n");
 }
 
+static void print_drain(const struct json_node *status)
+{
+    struct json_node drain = json_node_child(status, "drain"), user = json_node_child(&drain, "user");
+    char time[PRINT_TIME_SIZE];
+    const char *name;
+
+    if (json_node_type(&user) != JSON_STRING || !json_read_string(&user, &name, NULL)) return;
+    print_format_time(read_number(&drain, "since"), time);
+    printf("%-12s by %s since %s: no frame is begun until `march undrain` or a restart\n", "drained", name, time);
+}
+
 static void print_status(const struct json_node *status)
 {
     struct json_node store = json_node_child(status, "store");
@@ -90,6 +101,7 @@ static void print_status(const struct json_node *status)
     printf("%-12s %.0f\n", "pid", read_number(status, "pid"));
     print_format_time(read_number(status, "started"), time);
     printf("%-12s %s\n", "started", time);
+    print_drain(status);
     print_counts("jobs", status, "jobs");
     print_counts("frames", status, "frames");
     printf("%-12s %.0f\n", "workers", read_number(status, "workers"));

@@ -30,7 +30,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_SOCKET] = {"socket", KIND_TEXT, FIELD(socket), "PATH", 0, 0,
                        "the daemon's socket (default: $MARCHD_SOCKET, else the system's, else your own)"},
     [OPTION_WAIT] = {"wait", KIND_FLAG, FIELD(wait), NULL, 0, 0,
-                     "wait until the job has ended; exit code 1 unless it succeeded"},
+                     "wait until the job has ended, exit code 1 unless it succeeded (drain: until no frame runs)"},
     [OPTION_WATCH] = {"watch", KIND_FLAG, FIELD(watch), NULL, 0, 0, "like --wait, and show progress"},
     [OPTION_DRY_RUN] = {"dry-run", KIND_FLAG, FIELD(dry_run), NULL, 0, 0, "check the job and say what would be done"},
     [OPTION_PAUSED] = {"paused", KIND_FLAG, FIELD(paused), NULL, 0, 0, "queue the job paused"},

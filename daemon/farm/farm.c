@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/farm/farm.h"
 
+#include "core/base/alloc.h"
 #include "daemon/store/committer.h"
 
 #include <time.h>
@@ -21,6 +22,12 @@ int64_t farm_clock_ms(void)
 void farm_want_feed(struct farm *farm)
 {
     farm->wants_feed = true;
+}
+
+char *farm_format_drain(const struct farm *farm)
+{
+    if (!farm->drain.user) return NULL;
+    return xasprintf("drained by %s: no frame is begun until `march undrain` or a restart", farm->drain.user);
 }
 
 void farm_store(struct farm *farm, struct store_op op)

@@ -14,15 +14,26 @@
 #include <uv.h>
 
 struct committer;
+struct error;
 struct events;
 struct loop_turns;
 struct memory_return;
 struct options;
 struct publisher;
+struct reload_changes;
 struct store_reader;
 struct sweeper;
 struct work_desk;
 struct worker_pool;
+
+// Nothing new is begun while `user` asks for it.
+struct farm_drain {
+    char *user;       // owned; NULL: nobody
+    int64_t since_ms; // unix time
+};
+
+// Reads the settings again and applies them, or fails and changes nothing; `asked_by` names the client.
+typedef bool farm_reload(void *user, const char *asked_by, struct reload_changes *changes, struct error *error);
 
 // All pointers are borrowed from the daemon, which connects the modules.
 struct farm {
@@ -54,13 +65,17 @@ struct farm {
     int64_t started_ms;       // unix time
     int64_t shares_stored_ms; // monotonic; when the owners' use was stored last
     struct rights rights;
-    struct plan_desk desk; // owned; the plans that are being made
-    bool wants_feed;       // a worker may take frames: they are assigned at the end of the iteration
+    struct plan_desk desk;   // owned; the plans that are being made
+    struct farm_drain drain; // owned
+    farm_reload *reload;
+    void *reload_user;
+    bool wants_feed; // a worker may take frames: they are assigned at the end of the iteration
 };
 
 int64_t farm_now_ms(const struct farm *farm); // monotonic
 int64_t farm_clock_ms(void);                  // unix time
 void farm_want_feed(struct farm *farm);
+char *farm_format_drain(const struct farm *farm); // why nothing new is begun; NULL: nobody asked. Owned by the caller
 
 // Stores the op, with tries until it is on disk.
 void farm_store(struct farm *farm, struct store_op op);

@@ -177,7 +177,7 @@ static bool on_sending_step(struct loop_task *task)
     return false;
 }
 
-void events_note_store(struct events *events)
+void events_note_reasons(struct events *events)
 {
     for (size_t i = 0; i < events->farm->jobs.count; i++) {
         struct job_record *record = events->farm->jobs.records[i];

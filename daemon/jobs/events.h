@@ -23,7 +23,7 @@ void events_forget(struct events *events, const struct client *client); // remov
 
 // Sends a change of state at once, and changed counts at most every 250 ms.
 void events_note_job(struct events *events, struct job_record *record);
-void events_note_store(struct events *events); // the reason of all live jobs changed: the store's trouble
+void events_note_reasons(struct events *events); // those of all live jobs changed: the store's trouble, a drain
 void events_send_deleted(struct events *events, struct job_record *record); // its last event
 void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error);                                          // NULL: none

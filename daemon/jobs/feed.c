@@ -208,7 +208,7 @@ bool feed_workers(struct farm *farm)
     int workers = worker_pool_ready_count(farm->pool);
     bool is_searching = false;
 
-    if (committer_trouble(farm->committer)) return true;
+    if (committer_trouble(farm->committer) || farm->drain.user) return true;
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
     for (int i = 0; i < worker_pool_slot_count(farm->pool) && !is_searching; i++) {
         while (feed_worker(farm, i, workers, &is_searching)) {
@@ -216,6 +216,16 @@ bool feed_workers(struct farm *farm)
         turns_uncover(queue_turns(farm->queue)); // what another worker is to take must be there for that one
     }
     return !is_searching;
+}
+
+void feed_recall_all(struct farm *farm)
+{
+    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++) {
+        struct worker_process *worker = worker_pool_ready_at(farm->pool, i);
+
+        for (size_t k = 0; worker && k < worker->in_flight.count; k++)
+            recall(worker, worker->in_flight.frames[k].ticket.job);
+    }
 }
 
 void feed_note_rendering(struct worker_process *worker, struct job_record *record)

@@ -21,6 +21,7 @@ struct job_delete {
     struct farm *farm;         // borrowed; outlives us
     struct job_record *record; // borrowed until it is removed here
     struct answer *answer;     // owned
+    char *user;                // owned; names the client
     uv_work_t work;
     bool with_files, has_begun;
     struct file_remover remover;
@@ -57,14 +58,18 @@ void job_delete_go_on(struct farm *farm)
     if (ready) begin(ready);
 }
 
-void job_delete_start(struct farm *farm, struct job_record *record, bool with_files, struct answer *answer)
+void job_delete_start(struct farm *farm, struct job_record *record, const struct job_delete_params *params)
 {
     struct job_delete *deletion = xcalloc(1, sizeof *deletion), **link = &farm->deletions;
 
-    *deletion = (struct job_delete){.farm = farm, .record = record, .with_files = with_files, .answer = answer};
+    *deletion = (struct job_delete){.farm = farm,
+                                    .record = record,
+                                    .with_files = params->with_files,
+                                    .answer = params->answer,
+                                    .user = xstrdup(params->user)};
     deletion->work.data = deletion;
     record->is_deleting = true;
-    if (with_files) {
+    if (params->with_files) {
         deletion->claim = (struct output_claim){.files = job_record_files(record), .removed = record};
         output_claims_add(farm, &deletion->claim);
     }
@@ -83,6 +88,7 @@ static void end(struct job_delete *deletion)
         link = &(*link)->next;
     *link = deletion->next;
     if (deletion->with_files) output_claims_remove(farm, &deletion->claim);
+    free(deletion->user);
     free(deletion);
     job_delete_go_on(farm);
 }
@@ -172,8 +178,8 @@ static void tell(struct job_delete *deletion)
     const struct file_remover *remover = &deletion->remover;
     struct json_writer value = {0};
 
-    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted; %lld files removed", (long long)deletion->record->id,
-              deletion->record->name, (long long)remover->removed);
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted by %s; %lld files removed",
+              (long long)deletion->record->id, deletion->record->name, deletion->user, (long long)remover->removed);
     events_send_deleted(deletion->farm->events, deletion->record);
     json_write_begin_object(&value);
     json_write_integer_member(&value, "files_removed", remover->removed);

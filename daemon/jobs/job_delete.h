@@ -8,7 +8,13 @@ struct answer;
 struct farm;
 struct job_record;
 
+struct job_delete_params {
+    bool with_files;
+    const char *user;      // copied; names the client
+    struct answer *answer; // taken over
+};
+
 // The answer is sent when the deletion is committed, or failed. One deletion is worked on at a time, and only after its
 // job is swept. The job must be over, without another deletion or a waiting retry.
-void job_delete_start(struct farm *farm, struct job_record *record, bool with_files, struct answer *answer);
+void job_delete_start(struct farm *farm, struct job_record *record, const struct job_delete_params *params);
 void job_delete_go_on(struct farm *farm); // to be called when a job is swept

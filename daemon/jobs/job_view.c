@@ -70,8 +70,9 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     char *trouble;
 
     if (store_trouble) return xstrdup(store_trouble);
-    if (record->queued->states.counts[FRAME_QUEUED] == 0 || record->queued->states.counts[FRAME_RUNNING] > 0)
-        return NULL;
+    if (record->queued->states.counts[FRAME_QUEUED] == 0) return NULL;
+    if (farm->drain.user) return farm_format_drain(farm);
+    if (record->queued->states.counts[FRAME_RUNNING] > 0) return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
     trouble = worker_pool_format_trouble(farm->pool);
     if (trouble) return trouble;

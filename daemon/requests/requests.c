@@ -13,6 +13,9 @@ static const struct method {
     const char *keys[6]; // names of its parameters; end in NULL
 } methods[] = {
     {"daemon.status", requests_daemon_status, {NULL}},
+    {"daemon.drain", requests_daemon_drain, {NULL}},
+    {"daemon.undrain", requests_daemon_undrain, {NULL}},
+    {"daemon.reload", requests_daemon_reload, {NULL}},
     {"job.submit", requests_job_submit, {"document", "paused", NULL}},
     {"job.list", requests_job_list, {"state", "ids", NULL}},
     {"job.show", requests_job_show, {"id", NULL}},

@@ -12,6 +12,9 @@ void requests_handle(struct farm *farm, struct client *client, struct message *m
 
 // The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);
+enum request_outcome requests_daemon_drain(struct request *request);
+enum request_outcome requests_daemon_undrain(struct request *request);
+enum request_outcome requests_daemon_reload(struct request *request);
 enum request_outcome requests_worker_list(struct request *request);
 enum request_outcome requests_events_subscribe(struct request *request);
 enum request_outcome requests_job_list(struct request *request);

@@ -161,7 +161,10 @@ enum request_outcome requests_job_delete(struct request *request)
     if (queue_job_is_live(record->queued) || record->is_retry_waiting)
         return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
                             (long long)record->id);
-    job_delete_start(request->farm, record, with_files, request_defer_answer(request, false));
+    job_delete_start(request->farm, record,
+                     &(struct job_delete_params){.with_files = with_files,
+                                                 .user = request->client->user,
+                                                 .answer = request_defer_answer(request, false)});
     return REQUEST_DEFERRED;
 }
 

@@ -80,6 +80,18 @@ static void write_known_roots(struct json_writer *writer, const struct root_tabl
     json_write_end_array(writer);
 }
 
+static void write_drain(const struct farm *farm, struct json_writer *writer)
+{
+    if (!farm->drain.user) {
+        json_write_null(writer);
+        return;
+    }
+    json_write_begin_object(writer);
+    json_write_string_member(writer, "user", farm->drain.user);
+    json_write_number_member(writer, "since", (double)farm->drain.since_ms / 1000);
+    json_write_end_object(writer);
+}
+
 static void write_turns(const struct farm *farm, struct json_writer *writer)
 {
     const struct turn_counts *turns = loop_turns_counts(farm->turns);
@@ -121,6 +133,8 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_key(writer, "frames");
     write_frame_counts(farm, writer);
     json_write_integer_member(writer, "workers", worker_pool_slot_count(farm->pool));
+    json_write_key(writer, "drain");
+    write_drain(farm, writer);
     json_write_key(writer, "loop");
     write_turns(farm, writer);
     json_write_end_object(writer);

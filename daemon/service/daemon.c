@@ -85,6 +85,7 @@ static void on_client_gone(void *user, struct client *client);
 static void on_iteration(uv_prepare_t *iteration);
 static void on_signal(uv_signal_t *handle, int signal_number);
 static void on_hang_up(uv_signal_t *handle, int signal_number);
+static bool on_reload_request(void *user, const char *asked_by, struct reload_changes *changes, struct error *error);
 
 static const struct worker_pool_handlers pool_handlers = {.on_frame_report = frame_life_note_report,
                                                           .on_frames_lost = frame_life_lose_frames,
@@ -195,6 +196,8 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     farm->queue = queue_create(options->max_attempts);
     farm->started_ms = farm_clock_ms();
     farm->rights.daemon_uid = geteuid();
+    farm->reload = on_reload_request;
+    farm->reload_user = daemon;
     if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
         daemon_destroy(daemon);
         return NULL;
@@ -233,6 +236,7 @@ void daemon_destroy(struct daemon *daemon)
     job_table_finish(&farm->jobs);
     root_table_finish(&farm->roots);
     plan_desk_finish(&farm->desk);
+    free(farm->drain.user);
     quota_finish(&farm->quota);
     store_reader_close(farm->reader);
     store_close(daemon->store);
@@ -287,7 +291,7 @@ static void on_store_trouble(void *user)
 {
     struct daemon *daemon = user;
 
-    events_note_store(daemon->farm.events);
+    events_note_reasons(daemon->farm.events);
     farm_want_feed(&daemon->farm);
 }
 
@@ -335,15 +339,14 @@ static void log_changes(const struct reload_changes *changes)
     if (changes->waiting[0]) log_warn("settings: changed, but need a restart: %s", changes->waiting);
 }
 
-static void apply_options(struct daemon *daemon, struct options *fresh)
+static void apply_options(struct daemon *daemon, struct options *fresh, struct reload_changes *changes)
 {
-    struct reload_changes changes;
     bool was_quiet = daemon->options->log_level > LOG_INFO;
 
-    reload_take(daemon->options, fresh, &changes);
-    if (!was_quiet) log_changes(&changes);
+    reload_take(daemon->options, fresh, changes);
+    if (!was_quiet) log_changes(changes);
     log_set_level(daemon->options->log_level);
-    if (was_quiet) log_changes(&changes);
+    if (was_quiet) log_changes(changes);
     limits_refresh(&daemon->farm);
     shares_refresh(&daemon->farm);
     root_settings_take(&daemon->farm, &daemon->options->output_roots, on_root_op, &daemon->farm);
@@ -353,26 +356,44 @@ static void apply_options(struct daemon *daemon, struct options *fresh)
 }
 
 // Settings that cannot be read or applied change nothing.
-static void reload(struct daemon *daemon)
+static bool reload(struct daemon *daemon, struct reload_changes *changes, struct error *error)
 {
     struct options fresh = {0};
-    struct error error = {0};
+    bool ok;
 
     manager_notify_reloading(daemon->manager);
-    if (daemon->read_options(daemon->read_user, &fresh, &error))
-        apply_options(daemon, &fresh);
+    ok = daemon->read_options(daemon->read_user, &fresh, error);
+    if (ok)
+        apply_options(daemon, &fresh, changes);
     else
-        log_error("settings: not changed: %s", error.message);
+        log_error("settings: not changed: %s", error->message);
     options_finish(&fresh);
     manager_notify_ready(daemon->manager);
+    return ok;
+}
+
+static bool on_reload_request(void *user, const char *asked_by, struct reload_changes *changes, struct error *error)
+{
+    struct daemon *daemon = user;
+
+    if (daemon->phase != DAEMON_RUNNING) {
+        error_set(error, "settings: not changed: the daemon is stopping");
+        return false;
+    }
+    log_info("a reload of the settings is asked for by %s", asked_by);
+    if (reload(daemon, changes, error)) return true;
+    error_prefix(error, "settings: not changed");
+    return false;
 }
 
 static void on_hang_up(uv_signal_t *handle, int signal_number)
 {
     struct daemon *daemon = handle->data;
+    struct reload_changes changes;
+    struct error error = {0};
 
     (void)signal_number;
-    if (daemon->phase == DAEMON_RUNNING) reload(daemon);
+    if (daemon->phase == DAEMON_RUNNING) reload(daemon, &changes, &error);
 }
 
 static bool is_flushed(const struct farm *farm)

@@ -48,6 +48,10 @@ static char *find_trouble(const struct manager *manager)
         free(trouble);
         return xstrdup(store_trouble);
     }
+    if (farm->drain.user && !manager->is_stopping) {
+        free(trouble);
+        return farm_format_drain(farm);
+    }
     if (trouble) return trouble;
     root_trouble = find_root_trouble(farm);
     return root_trouble ? xstrdup(root_trouble) : NULL;

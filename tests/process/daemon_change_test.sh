@@ -32,6 +32,14 @@ wait_state "$second" succeeded
 expect "frames done while paused" "$(field "$first" .succeeded)" "$before"
 expect "resumed" "$(ask job.resume "{\"id\":$first}" | jq -r .result.state)" running
 
+# In a farm that is drained no frame is begun: what runs is over when --wait ends.
+drain=$("$bin/march" drain --wait --socket "$socket" 2>/dev/null) || fail "march drain --wait: status $?"
+expect "the drain" "$drain" "drained: no frame runs, and none is begun until \`march undrain\` or a restart"
+expect "frames of a drained farm" "$(ask daemon.status | jq -c '.result | [.drain.user, .frames.running, .frames.queued > 0]')" "[\"$(id -un)\",0,true]"
+expect "why it waits" "$(field "$first" .reason)" "drained by $(id -un): no frame is begun until \`march undrain\` or a restart"
+"$bin/march" undrain --socket "$socket" >/dev/null || fail "march undrain: status $?"
+expect "not drained" "$(ask daemon.status | jq -c .result.drain)" null
+
 expect "canceled" "$(ask job.cancel "{\"id\":$first}" | jq -r .result.state)" canceled
 expect_error "$(ask job.pause "{\"id\":$first}")" 3 "was canceled"
 wait_until "nothing of it is in hand" eval '[ "$(ask worker.list | jq ".result.workers[0].frames")" = 0 ]'
@@ -121,4 +129,24 @@ wait_until "the second of them is refused" grep -q "a job just submitted" "$scra
 ! grep -q '"id":1' "$scratch/submitted" || fail "the first did not wait: $(cat "$scratch/submitted")"
 kill -CONT "$pid"
 wait_until "the first is accepted" grep -q "\"id\":1,\"result\":{\"id\":$((first + 1))}" "$scratch/submitted"
+stop_daemon
+
+# A drain takes back what workers have in hand and have not begun; a restart ends it. Frames were short until now.
+start_daemon --workers 1 --worker-program "$(stub write:0)"
+first=$(submit "$(job 1-40 '.output.path = "drained/s.####.exr"')")
+wait_state "$first" succeeded
+stop_daemon
+start_daemon --workers 1 --worker-program "$(stub write:3600000)"
+expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\",\"range\":\"1-30\"}" | jq .result.retried)" 30
+has_in_hand() { [ "$(field "$first" .running)" "$1" 1 ]; }
+wait_until "frames are in hand beside the one that runs" has_in_hand -gt
+ask daemon.drain >/dev/null
+wait_until "those that were not begun are back" has_in_hand -eq
+ask daemon.undrain >/dev/null
+wait_until "they are in hand again" has_in_hand -gt
+ask daemon.drain >/dev/null
+kill_daemon
+start_daemon --workers 1 --worker-program "$(stub write:0)"
+expect "a drain after a restart" "$(ask daemon.status | jq -c .result.drain)" null
+wait_state "$first" succeeded
 stop_daemon

@@ -49,6 +49,25 @@ reload "stop-timeout = 1" "log-level = loud"
 said "error: settings: not changed: $conf:2: --log-level: expected debug, info, warning or error, got \"loud\""
 reload "no-such = 1"
 said "$conf:1: no-such: there is no such setting"
+# Who asks for a reload is told what holds now, or what is wrong, as systemctl is.
+printf '%s\n' "user-jobs = 6" "threads = 4" "log-level = info" >"$conf"
+expect "a reload that is asked for" "$(ask daemon.reload | jq -c .result)" '{"changed":["user-jobs"],"restart":["threads"]}'
+printf '%s\n' "stop-timeout = soon" "user-jobs = 9" "woks = 1" >"$conf"
+"$bin/march" reload --socket "$socket" >/dev/null 2>"$scratch/said"
+expect "march reload of wrong settings: its status" $? 1
+grep -qF "settings: not changed: $conf:1: --stop-timeout: expected seconds from 0 to 86400, got \"soon\" (and 1 more: marchd --check-config)" "$scratch/said" ||
+    fail "march reload says $(cat "$scratch/said")"
+said "a reload of the settings is asked for by $(id -un)"
+# The same without a daemon: all mistakes, and nothing is made.
+"$bin/marchd" --check-config --config "$conf" --state "$scratch/none" 2>"$scratch/said" >/dev/null
+expect "a check of wrong settings: its status" $? 2
+expect "mistakes" "$(cut -d: -f1-3 "$scratch/said")" "marchd: $conf:1
+marchd: $conf:3"
+printf '%s\n' "input-root = /no/such" >"$conf"
+"$bin/marchd" --check-config --config "$conf" --state "$scratch/none" --output-root "$scratch/none" 2>"$scratch/said" >/dev/null
+expect "a check of right settings: its status" $? 0
+grep -q "warning: input root /no/such: No such file" "$scratch/said" || fail "the check says $(cat "$scratch/said")"
+[ ! -e "$scratch/none" ] || fail "a check made a folder"
 rm "$conf"
 kill -HUP "$daemon_pid"
 wait_until "a file that is gone is told of" grep -q "settings: not changed: $conf" "$scratch/daemon.log"

@@ -50,6 +50,14 @@ grep -q "priority 200, before 60, set by lp" "$scratch/daemon.log" || fail "the 
 expect "the priority by the primary group alone" "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":%s,"priority":60}}\n' "$id" |
     setpriv --reuid=7 --regid=37 --clear-groups "$bin/socket-client" "$socket" | jq .result.priority)" 60
 expect_error "$(ask_as 7 "7,$many" job.priority "{\"id\":$id,\"priority\":61}")" 2 "belongs to games"
+# The farm as a whole is for administrators.
+for method in drain undrain reload; do
+    expect_error "$(ask_as "${ann[@]}" daemon.$method)" 2 "only root, the daemon's user and group operator may"
+done
+expect "a drain" "$(ask_as "${chief[@]}" daemon.drain | jq .error)" null
+expect "its end" "$(ask_as "${chief[@]}" daemon.undrain | jq .error)" null
+grep -q "info: drained by lp: " "$scratch/daemon.log" || fail "the log does not say who drained the farm"
+grep -q "info: undrained by lp: " "$scratch/daemon.log" || fail "the log does not say who ended the drain"
 # A user in the owner's group is not the owner.
 expect_error "$(ask_as 6 60 job.cancel "{\"id\":$id}")" 2 "belongs to games"
 # A user without a uid in this namespace.

@@ -20,7 +20,7 @@ ln -s usr/bin usr/lib "$scratch/root"
 cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.service" "$deploy/marchd.socket" \
     "$scratch/root/usr/lib/systemd/system"
 cp /bin/true "$scratch/root/usr/bin/marchd"
-cp /bin/sh "$scratch/root/usr/bin/sh"
+cp /bin/true "$scratch/root/usr/bin/march"
 understands system --root="$scratch/root" marchd.service marchd.socket
 for kind in service socket; do
     cp "$deploy/marchd.$kind" "$scratch/root/usr/lib/systemd/system/marchd@.$kind"
@@ -28,7 +28,7 @@ done
 understands template --root="$scratch/root" marchd@two.service marchd@two.socket
 # A user's units are checked with another program, because they cannot be given a root.
 mkdir "$scratch/user"
-sed 's|^ExecStart=/usr/bin/marchd$|ExecStart=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
+sed 's|^\(Exec[A-Za-z]*\)=/usr/bin/marchd*|\1=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
 cp "$deploy/user/marchd.socket" "$scratch/user"
 understands user --user "$scratch/user/marchd.service" "$scratch/user/marchd.socket"
 
@@ -64,6 +64,14 @@ done
 has marchd.service 'DeviceAllow=char-drm rw'
 has marchd.service 'DeviceAllow=char-nvidia* rw'
 has marchd.service 'StateDirectoryMode=0700'
+# A root that is not there stops nothing; where a disk is to be mounted on it, the service waits for that.
+has marchd.service 'ReadWritePaths=-/srv/%N'
+has marchd.service 'RequiresMountsFor=/srv/%N'
+# A reload is over when the daemon has answered, and fails where it does: at the socket that the socket's unit opens.
+for unit in marchd user/marchd; do
+    opened=$(sed -n 's/^ListenStream=//p' "$deploy/$unit.socket")
+    has $unit.service "ExecReload=/usr/bin/march reload --socket $opened"
+done
 has marchd.socket 'ListenStream=/run/marchd/%N.sock'
 has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'

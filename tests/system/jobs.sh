@@ -105,14 +105,16 @@ set_conf()
 }
 
 # reload LINE...: writes the settings and returns once the daemon has logged about them; the log lines are in
-# $work/settings.
+# $work/settings, what systemctl ended with in $reload_status.
+reload_status=
 reload()
 {
     local cursor
 
+    reload_status=0
     cursor=$(inside journalctl -u marchd.service -n 1 --show-cursor -q -o cat | sed -n 's/^-- cursor: //p')
     set_conf "$@"
-    inside systemctl reload marchd.service
+    inside systemctl reload marchd.service || reload_status=$?
     until_true "the daemon speaks of its settings" eval \
         'inside journalctl -q -u marchd.service --after-cursor="'"$cursor"'" -o cat -g "^settings: " >"$work/settings"'
 }

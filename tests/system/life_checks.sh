@@ -5,6 +5,7 @@ reload_holds()
     local id
 
     reload "log-level = debug" "user-jobs = 1" "worker-memory = 1G"
+    expect "a reload's status" "$reload_status" 0
     grep -q '^settings: changed: .*user-jobs, .*worker-memory, log-level$' "$work/settings" || { cat "$work/settings"; fail "what changed"; }
     id=$(submit ann "$(cloud_job 1-400 480 270 limited)")
     cloud_job 1 64 36 more >"$root/home/ann/job.json"
@@ -12,6 +13,7 @@ reload_holds()
     until_true "a published frame is told, now that the level is debug" eval \
         '[ -n "$(journal MARCHD_JOB='"$id"' PRIORITY=7 | jq -r "select(.MESSAGE | endswith(\"published\")) | .MARCHD_FRAME")" ]'
     reload "user-jobs = 1000" "log-level = debug" "stop-timeout = soon"
+    expect "the status of a reload that fails" "$reload_status" 1
     grep -q 'settings: not changed: /etc/marchd/marchd.conf:3: .*stop-timeout' "$work/settings" || { cat "$work/settings"; fail "file and line"; }
     ends 4 "jobs: ann may have 1" as ann march submit job.json
     expect "service" "$(inside systemctl is-active marchd.service)" active
