@@ -409,10 +409,24 @@ static int64_t next_id_after(const struct store *store, const struct store_op *o
     return next_id;
 }
 
+// What is written to a file that has lost its name is gone when the daemon ends.
+static bool is_in_place(const struct store *store, struct error *error)
+{
+    int has_moved = 0;
+
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
+    if (!has_moved) return true;
+    error_set(error, "%s/queue.db was removed or replaced while the daemon runs: put it back, or restart the daemon",
+              store->folder);
+    return false;
+}
+
 static bool try_to_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
     bool ok = false;
 
+    store->is_full = false;
+    if (!is_in_place(store, error)) return false;
     if (!store_sql_run(store->statements[BEGIN], "begin", error)) goto out;
     for (size_t i = 0; i < op_count; i++)
         if (!apply(store, &ops[i], error)) goto out;
@@ -458,7 +472,7 @@ bool store_has_reserve(const struct store *store)
 bool store_probe(struct store *store, struct error *error)
 {
     if (!store->has_reserve) store->has_reserve = store_reserve_make(store->folder, error);
-    return store->has_reserve && store_sql_run(store->statements[PROBE], "commit", error);
+    return store->has_reserve && is_in_place(store, error) && store_sql_run(store->statements[PROBE], "commit", error);
 }
 
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error)

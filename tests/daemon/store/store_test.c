@@ -68,6 +68,41 @@ static void job_is_loaded_as_it_was_stored(void **state)
     store_close(store);
 }
 
+static void a_store_that_lost_its_name_takes_nothing(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    char *path = xasprintf("%s/queue.db", folder->path), *aside = xasprintf("%s/aside.db", folder->path);
+    struct store_op op = job_op(2);
+    struct error error = {0};
+    struct loaded loaded;
+    FILE *other;
+
+    commit_one(store, job_op(1));
+    assert_int_equal(rename(path, aside), 0);
+    assert_false(store_commit(store, &op, 1, &error));
+    assert_non_null(strstr(error.message, "/queue.db was removed or replaced"));
+    assert_false(store_is_full(store));
+    assert_false(store_probe(store, NULL));
+    // Another file of its name is another store.
+    other = fopen(path, "w");
+    assert_non_null(other);
+    fclose(other);
+    assert_false(store_commit(store, &op, 1, NULL));
+    assert_int_equal(rename(aside, path), 0);
+    assert_true(store_probe(store, NULL));
+    assert_true(store_commit(store, &op, 1, NULL));
+    store_close(store);
+
+    store = open_store(folder);
+    loaded = load(store);
+    assert_int_equal(loaded.jobs, 2);
+    store_close(store);
+    store_op_finish(&op);
+    free(path);
+    free(aside);
+}
+
 static void change_of_an_unknown_job_is_an_error(void **state)
 {
     struct store *store = open_store(*state);
@@ -339,6 +374,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(new_folder_is_private, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(each_start_has_its_epoch, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(job_is_loaded_as_it_was_stored, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_store_that_lost_its_name_takes_nothing, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(change_of_an_unknown_job_is_an_error, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(intent_is_loaded_whole, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(result_takes_the_place_of_the_intent, make_folder, remove_folder),
