@@ -207,9 +207,9 @@ class Acts(ClientActs, StoreActs):
     def tear_writes(self):
         self.break_disk(one_tear_in=self.random.choice((5, 30, 100)))
 
-    def may_publish_again(self, root=""):
-        """A frame whose name cannot be synced, or whose root goes away at that moment, is looked at again."""
-        self.books.again |= {job["folder"] for job in self.books.jobs.values() if job["root"].startswith(root)}
+    def may_publish_again(self):
+        """A frame whose name cannot be synced is rendered again, for a crash might lose it."""
+        self.books.again |= {job["folder"] for job in self.books.jobs.values()}
 
     def fill_output(self):
         self.fill(OUTPUT)
@@ -228,7 +228,6 @@ class Acts(ClientActs, StoreActs):
         if not disk.is_there:
             return
         disk.take_away()
-        self.may_publish_again(disk.path)
 
         def bring_back():
             left = [os.path.join(folder, name) for folder, _, names in os.walk(disk.path) for name in names]
@@ -244,7 +243,6 @@ class Acts(ClientActs, StoreActs):
         marker = f"{self.machine.disks[OUTPUT].place}/.marchd-root"
         if os.path.exists(marker):
             os.rename(marker, marker + ".away")
-            self.may_publish_again(self.machine.disks[OUTPUT].path)
 
             def bring_back():
                 if os.path.exists(marker):

@@ -206,6 +206,10 @@ class Stories(unittest.TestCase):
         self.audit.compare_names({(7, 1): "/a/s"}, {"/a/s": 1}, Books())
         self.assertEqual(self.audit.wrong, [])
 
+    def test_a_file_that_its_root_took_away_and_brought_back(self):
+        self.assertEqual(self.tell(("running", 1), ("queued", 1), ("succeeded", 1)), 0)
+        self.assertEqual(self.tell(("succeeded", 1)), 1)
+
     def test_one_end_twice(self):
         self.assertEqual(self.tell(("running", 1), ("succeeded", 1), ("succeeded", 1)), 1)
 

@@ -34,18 +34,19 @@ class EventAudit:
             self.deleted.add(number)
 
     def note_frame(self, frame, state, attempt):
+        """A frame that is queued again because its root is away succeeds if its file had its name by then."""
         name = f"frame {frame[1]} of job {frame[0]}, attempt {attempt}"
-        self.last[frame] = state
         if state == "running":
             if attempt <= max(self.running.get(frame, 0), self.ended.get(frame, 0)):
                 self.wrong.append(f"{name}: begins after attempt {max(self.running.get(frame, 0), self.ended.get(frame, 0))}")
-            self.running[frame] = attempt
+            self.running[frame], self.last[frame] = attempt, state
             return
         if state not in ENDS:
             self.wrong.append(f"{name}: {state}")
-        if attempt <= self.ended.get(frame, 0) or attempt < self.running.get(frame, 0):
+        is_settled = state == "succeeded" and attempt == self.ended.get(frame) and self.last[frame] == "queued"
+        if (attempt <= self.ended.get(frame, 0) and not is_settled) or attempt < self.running.get(frame, 0):
             self.wrong.append(f"{name}: {state} after a later end or start")
-        self.ended[frame] = attempt
+        self.ended[frame], self.last[frame] = attempt, state
         if state == "succeeded":
             self.published[frame] = self.published.get(frame, 0) + 1
 
