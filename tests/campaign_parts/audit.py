@@ -135,7 +135,8 @@ class Audit:
         if said["state"] == "succeeded" and len(told) != said["frames"] and number not in books.robbed:
             self.note("lost", f"job {number} succeeded with {len(told)} of {said['frames']} frames")
         for path in files:
-            if path not in told and is_of(row["pattern"], path) and number not in books.robbed:
+            is_excused = number in books.robbed or path in books.unknown
+            if path not in told and is_of(row["pattern"], path) and not is_excused:
                 self.note("left over", f"{path}: job {number} tells nothing of it")
 
     def check_list(self, rows, frames):

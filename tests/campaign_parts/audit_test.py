@@ -185,8 +185,12 @@ class MadeUpFarm(unittest.TestCase):
         self.names.append(["1", self.paths[0]])
         self.change_row("UPDATE frame SET inode = 1 WHERE frame_index = 0")
         self.assertEqual(self.found(), set())
+        self.change_row("DELETE FROM frame WHERE frame_index = 0")
+        self.assertEqual(self.found() & {"left over"}, set())
         self.change_row("UPDATE frame SET inode = 1 WHERE frame_index = 1")
-        self.assertEqual(self.found(), {"broken"})
+        self.assertEqual(self.found() & {"broken", "left over"}, {"broken"})
+        self.change_row("DELETE FROM frame WHERE frame_index = 1")
+        self.assertIn("left over", self.found())
 
 
 class Stories(unittest.TestCase):

@@ -14,19 +14,20 @@ class Books:
         self.foreign = {}  # files of somebody else: text by path
         self.kept_files, self.removed_files = set(), set()
         self.forgotten = set()  # jobs that came after the backup that was restored
-        self.restored = set()  # jobs that it brought back, which may have files that the store does not know
+        self.unknown = set()  # files that were published after it, which the store may not know
         self.replaced = set()  # files that were published again after it, so that the store has an older inode
 
     def return_to(self, copy, names_then, names_now):
         """The store is again what it was when these books were `copy`; files are not. The names that files had got."""
         self.jobs = {**copy.jobs, **self.jobs}
-        self.restored |= copy.accepted
         self.forgotten |= self.accepted - copy.accepted
         self.robbed |= self.maybe_deleted - copy.maybe_deleted
         self.deleted, self.maybe_deleted = set(copy.deleted), set(copy.maybe_deleted)
         self.canceled, self.removed_files = set(copy.canceled), set(copy.removed_files)
         self.again |= {job["folder"] for job in self.jobs.values()}
-        self.replaced |= {path for _, path in names_then} & {path for _, path in names_now[len(names_then):]}
+        later = {path for _, path in names_now[len(names_then):]}
+        self.unknown |= later
+        self.replaced |= {path for _, path in names_then} & later
 
     def known(self):
         return sorted(set(self.jobs) - self.deleted - self.forgotten)

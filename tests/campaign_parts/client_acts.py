@@ -119,10 +119,10 @@ class ClientActs:
         there = {path for path in self.list_folder(folder) if is_of(f"{folder}/s.####.exr", path)}
         if not with_files:
             self.books.kept_files |= there
-        elif not (answer["result"]["files_kept"] or answer["result"]["files_found"] or number in self.books.restored):
+        elif not answer["result"]["files_kept"] and not answer["result"]["files_found"]:
             numbers = range(1, self.books.jobs[number]["frames"] + 1)
             self.books.kept_files -= there
-            self.books.removed_files |= there | {f"{folder}/s.{n:04}.exr" for n in numbers}
+            self.books.removed_files |= (there | {f"{folder}/s.{n:04}.exr" for n in numbers}) - self.books.unknown
 
     def tidy_up(self, oldest):
         """Nothing of rounds before `oldest` stays: the farm does not grow. All jobs are over, and all is well."""
