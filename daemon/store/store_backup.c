@@ -20,7 +20,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { BUSY_TIMEOUT_MS = 5000, JUMP = 1000, FIRST_VERSION_WITH_SUMS = 9 };
+enum { BUSY_TIMEOUT_MS = 5000, JUMP = 1000 };
 
 static bool sync_folder_of(const char *path)
 {
@@ -50,8 +50,7 @@ static bool check_rows(sqlite3 *db, int version, int64_t known, const char *what
 {
     int64_t damaged = 0;
 
-    if (version < FIRST_VERSION_WITH_SUMS) return true;
-    if (!store_sum_count_damaged(db, &damaged, error)) return false;
+    if (!store_sum_count_damaged(db, version, &damaged, error)) return false;
     if (damaged <= known) return true;
     error_set(error, "%s has %lld damaged rows", what, (long long)damaged);
     return false;

@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "daemon/store/store_backup.h"
 #include "daemon/store/store_repair.h"
+#include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
 #include "daemon/store/store_sum.h"
 
@@ -114,7 +115,8 @@ static bool keep_backup(const struct store_keeper *keeper, sqlite3 *db, struct e
 
     clock_gettime(CLOCK_REALTIME_COARSE, &begun[0]);
     begun[1] = begun[0];
-    ok = !is_due || (has_room(keeper, error) && (keeper->mended == 0 || store_sum_count_damaged(db, &known, error)) &&
+    ok = !is_due || (has_room(keeper, error) &&
+                     (keeper->mended == 0 || store_sum_count_damaged(db, STORE_SCHEMA_VERSION, &known, error)) &&
                      store_backup_write(db, path, known, error));
     if (is_due && ok) utimensat(AT_FDCWD, path, begun, 0);
     free(path);

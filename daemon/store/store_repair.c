@@ -156,7 +156,7 @@ bool store_repair(sqlite3 *db, const char *folder, int64_t *count, struct error 
     bool ok = false;
 
     if (count) *count = 0;
-    if (!store_sum_count_damaged(db, &damaged, error)) return false;
+    if (!store_sum_count_damaged(db, STORE_SCHEMA_VERSION, &damaged, error)) return false;
     if (damaged == 0) return true;
     damaged = 0;
     sqlite3_create_function_v2(db, "concat_keys", -1, SQLITE_UTF8 | SQLITE_INNOCUOUS, NULL, on_concat_keys, NULL, NULL,

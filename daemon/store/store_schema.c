@@ -10,7 +10,7 @@
 #include <sqlite3.h>
 #include <stdio.h>
 
-enum { NO_VERSION = 0, FIRST_VERSION = 1, FIRST_VERSION_WITH_SUMS = 9 };
+enum { NO_VERSION = 0, FIRST_VERSION = 1 };
 
 #define APPLICATION_ID 1299342184 // "Mrch": identifies the database as a store
 #define STRINGIFY(number) #number
@@ -111,7 +111,7 @@ bool store_schema_upgrade(sqlite3 *db, int found, struct error *error)
     if (found == STORE_SCHEMA_VERSION) return true;
     for (int version = found; version < STORE_SCHEMA_VERSION; version++)
         if (!store_sql_execute(db, steps[version], "make the tables", error)) return false;
-    if (found < FIRST_VERSION_WITH_SUMS && !store_sql_execute(db, sums_sql, "make the sums of rows", error))
+    if (found < STORE_SCHEMA_FIRST_WITH_SUMS && !store_sql_execute(db, sums_sql, "make the sums of rows", error))
         return false;
     return store_sql_execute(db, "PRAGMA user_version = " TEXT_OF(STORE_SCHEMA_VERSION), "make the tables", error);
 }

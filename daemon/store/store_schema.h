@@ -11,6 +11,7 @@ struct sqlite3_stmt;
 struct store_frame;
 
 #define STORE_SCHEMA_VERSION 10 // a macro because SQL text holds it
+enum { STORE_SCHEMA_FIRST_WITH_SUMS = 9 };
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);

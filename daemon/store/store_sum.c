@@ -10,15 +10,15 @@
 #include <stdlib.h>
 
 const struct store_table store_tables[] = {
-    {"daemon", STORE_SCHEMA_DAEMON_COLUMNS, NULL, false, "ids and epochs go on far above the last known"},
-    {"job", STORE_SCHEMA_JOB_COLUMNS, "id", false, "the job is held"},
-    {"document", STORE_SCHEMA_DOCUMENT_COLUMNS, "job", false, "the job fails"},
-    {"frame", STORE_SCHEMA_FRAME_COLUMNS, "job, frame_index", true, "the frame is looked at again"},
-    {"mark", STORE_SCHEMA_MARK_COLUMNS, "job, block", true, "its canceled frames are queued again"},
-    {"attempt", STORE_SCHEMA_ATTEMPT_COLUMNS, "job, number", true, "the attempt's message is lost"},
-    {"plan", STORE_SCHEMA_PLAN_COLUMNS, "number", true, "the plan is made again"},
-    {"root", STORE_SCHEMA_ROOT_COLUMNS, "path", true, "the root is known by its marker"},
-    {"usage", STORE_SCHEMA_USAGE_COLUMNS, "owner_uid", true, "the owner's use of the farm begins anew"},
+    {"daemon", STORE_SCHEMA_DAEMON_COLUMNS, NULL, false, 9, "ids and epochs go on far above the last known"},
+    {"job", STORE_SCHEMA_JOB_COLUMNS, "id", false, 9, "the job is held"},
+    {"document", STORE_SCHEMA_DOCUMENT_COLUMNS, "job", false, 9, "the job fails"},
+    {"frame", STORE_SCHEMA_FRAME_COLUMNS, "job, frame_index", true, 9, "the frame is looked at again"},
+    {"mark", STORE_SCHEMA_MARK_COLUMNS, "job, block", true, 10, "its canceled frames are queued again"},
+    {"attempt", STORE_SCHEMA_ATTEMPT_COLUMNS, "job, number", true, 9, "the attempt's message is lost"},
+    {"plan", STORE_SCHEMA_PLAN_COLUMNS, "number", true, 9, "the plan is made again"},
+    {"root", STORE_SCHEMA_ROOT_COLUMNS, "path", true, 9, "the root is known by its marker"},
+    {"usage", STORE_SCHEMA_USAGE_COLUMNS, "owner_uid", true, 9, "the owner's use of the farm begins anew"},
     {0}};
 
 static const char lost_sql[] = "SELECT (SELECT count(*) FROM document WHERE job NOT IN (SELECT id FROM job))"
@@ -59,14 +59,19 @@ bool store_sum_register(sqlite3 *db, struct error *error)
     return false;
 }
 
-bool store_sum_count_damaged(sqlite3 *db, int64_t *count, struct error *error)
+bool store_sum_count_damaged(sqlite3 *db, int version, int64_t *count, struct error *error)
 {
-    bool ok = store_sql_read_integer(db, lost_sql, count, error);
+    bool ok;
 
+    *count = 0;
+    if (version < STORE_SCHEMA_FIRST_WITH_SUMS) return true;
+    ok = store_sql_read_integer(db, lost_sql, count, error);
     for (const struct store_table *table = store_tables; table->name && ok; table++) {
-        char *sql = xasprintf("SELECT count(*) FROM %s WHERE sum IS NOT row_sum(%s)", table->name, table->columns);
+        char *sql;
         int64_t damaged = 0;
 
+        if (table->first_version > version) continue;
+        sql = xasprintf("SELECT count(*) FROM %s WHERE sum IS NOT row_sum(%s)", table->name, table->columns);
         ok = store_sql_read_integer(db, sql, &damaged, error);
         *count += damaged;
         free(sql);

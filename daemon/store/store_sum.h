@@ -14,6 +14,7 @@ struct store_table {
     const char *name, *columns;
     const char *key;     // the columns that identify a row; NULL: the table has one row
     bool may_be_dropped; // a damaged row without a copy is removed, and the farm goes on without it
+    int first_version;   // of stores that have the table with its sums
     const char *if_lost; // what follows when a row is damaged and there is no copy
 };
 
@@ -21,5 +22,6 @@ extern const struct store_table store_tables[]; // ends with an empty name
 
 // To be called for each connection that reads or writes sums.
 bool store_sum_register(struct sqlite3 *db, struct error *error);
-// Counts the rows whose sum is wrong, and documents and jobs that lack the other.
-bool store_sum_count_damaged(struct sqlite3 *db, int64_t *count, struct error *error);
+// Counts the rows whose sum is wrong, and documents and jobs that lack the other. `version` is that of the store; those
+// before sums have nothing to check.
+bool store_sum_count_damaged(struct sqlite3 *db, int version, int64_t *count, struct error *error);

@@ -5,7 +5,9 @@
 #include "core/base/hash.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
+#include "daemon/store/store_backup.h"
 #include "daemon/store/store_reader.h"
+#include "daemon/store/store_schema.h"
 #include "daemon/store/store_sum.h"
 #include "tests/daemon/store/store_fixture.h"
 
@@ -162,6 +164,30 @@ static void root_with_jobs_is_not_made_and_they_wait(void **state)
     stage_destroy(stage);
 }
 
+// Puts a backup of the stopped store in its place.
+static void pass_through_backup(const struct stage *stage)
+{
+    char *copy = xasprintf("%s/copy.db", stage->folder->root), *other = xasprintf("%s/other", stage->folder->root);
+    struct error error = {0};
+    bool has_counts = true;
+
+    if (!store_backup_save(stage->folder->path, copy, &error)) fail_msg("%s", error.message);
+    assert_int_equal(mkdir(other, 0700), 0);
+    if (!store_backup_restore(other, copy, &has_counts, &error)) fail_msg("%s", error.message);
+    assert_false(has_counts);
+    free(copy);
+    copy = xasprintf("%s/queue.db", other);
+    assert_int_equal(rename(copy, at(stage, "state/queue.db")), 0);
+    free(copy);
+    for (const char *const *name = (const char *const[]){"lock", "counts", NULL}; *name; name++) {
+        copy = xasprintf("%s/%s", other, *name);
+        assert_int_equal(unlink(copy), 0);
+        free(copy);
+    }
+    assert_int_equal(rmdir(other), 0);
+    free(other);
+}
+
 // A store that a daemon of that version wrote (stores/version_N.sql). Its jobs write below /films, which is not there.
 static struct stage *stage_create_of_version(void **state, int version)
 {
@@ -177,6 +203,7 @@ static struct stage *stage_create_of_version(void **state, int version)
     if (sqlite3_exec(db, text, NULL, NULL, NULL) != SQLITE_OK) fail_msg("%s: %s", path, sqlite3_errmsg(db));
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
     free(text);
+    pass_through_backup(stage);
     stage->store = open_store(stage->folder);
     open_farm(stage);
     return stage;
@@ -218,7 +245,7 @@ static int64_t count_damaged(struct stage *stage)
     int64_t count = -1;
 
     assert_int_equal(sqlite3_open(at(stage, "state/queue.db"), &db), SQLITE_OK);
-    assert_true(store_sum_register(db, NULL) && store_sum_count_damaged(db, &count, NULL));
+    assert_true(store_sum_register(db, NULL) && store_sum_count_damaged(db, STORE_SCHEMA_VERSION, &count, NULL));
     sqlite3_close(db);
     return count;
 }
