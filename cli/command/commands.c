@@ -19,7 +19,7 @@
 
 enum { ANY = 1 << 20 };
 
-// The verbs that need a daemon come first.
+// The verbs that ask a daemon come first.
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1,
      DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(RECONNECT) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) |
@@ -61,10 +61,10 @@ static const struct command commands[] = {
     {"reload", "", 0, 0, DAEMON,
      "Has the daemon read its settings again; exit code 1, and nothing changes, if one is wrong; for administrators.",
      "march reload", command_reload},
-    {"backup", "FILE [STATE-FOLDER]", 1, 2, EVERY,
+    {"backup", "FILE [STATE-FOLDER]", 1, 2, DAEMON,
      "Copies the daemon's queue to a file of mode 0600, while the daemon runs or not; for its user and root.",
      "march backup /var/backups/marchd-queue.db", command_backup},
-    {"restore", "FILE [STATE-FOLDER]", 1, 2, EVERY,
+    {"restore", "FILE [STATE-FOLDER]", 1, 2, DAEMON,
      "Puts such a copy in place of the queue of a daemon that is stopped; the old one is kept beside it.",
      "march restore /var/backups/marchd-queue.db", command_restore},
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.",

@@ -16,6 +16,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *daemon_call_socket(const struct options *options)
+{
+    const char *named = options->socket && *options->socket ? options->socket : getenv("MARCHD_SOCKET");
+
+    return named && *named ? named : NULL;
+}
+
 struct connection *daemon_call_connect(const struct options *options, enum exit_status *status, struct error *error)
 {
     const struct socket_path_params params = {.option = options->socket,

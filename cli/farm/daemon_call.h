@@ -11,6 +11,8 @@ struct error;
 struct json_writer;
 struct options;
 
+// The one socket that the options or the environment name; NULL: none, so that the usual ones are tried. Borrowed.
+const char *daemon_call_socket(const struct options *options);
 // Connects to the socket that options or environment name. On failure NULL, and `status` is the exit status to end
 // with.
 struct connection *daemon_call_connect(const struct options *options, enum exit_status *status, struct error *error);

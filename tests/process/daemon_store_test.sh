@@ -7,12 +7,16 @@ starts_with() { "$bin/marchd" --state "$state" --socket "$socket" --output-root 
 
 start_daemon --worker-program "$(stub write:5)"
 expect "the first job" "$(paused castle)" 1
-"$bin/march" backup "$scratch/copy.db" "$state" >/dev/null || fail "backup beside a running daemon"
+"$bin/march" backup "$scratch/copy.db" --socket "$socket" >"$scratch/said" || fail "backup beside a running daemon"
+expect "what was copied" "$(cat "$scratch/said")" "copied the queue in $state to $scratch/copy.db"
 expect "mode of the copy" "$(stat -c %a "$scratch/copy.db")" 600
 expect "the job after it" "$(paused river)" 2
-"$bin/march" restore "$scratch/copy.db" "$state" 2>"$scratch/refusal" && fail "restored below a running daemon"
+MARCHD_SOCKET=$socket "$bin/march" restore "$scratch/copy.db" 2>"$scratch/refusal" && fail "restored below a running daemon"
 grep -q "another marchd (pid $daemon_pid) uses $state" "$scratch/refusal" || fail "$(cat "$scratch/refusal")"
 stop_daemon
+MARCHD_SOCKET=$socket "$bin/march" backup "$scratch/none.db" 2>"$scratch/refusal"
+expect "a backup by the socket of a stopped daemon" $? 3
+grep -q "no daemon at $socket says where its queue is: name its state folder" "$scratch/refusal" || fail "$(cat "$scratch/refusal")"
 
 # Ids do not begin again, and what is restored is what was copied.
 "$bin/march" restore "$scratch/copy.db" "$state" >/dev/null || fail "restore"
