@@ -98,6 +98,7 @@ struct store {
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;
+    int64_t uncounted_id; // of a job that was refused because its id could not be counted; 0: none
     bool has_reserve;
     bool is_full;       // the latest failure was a full disk
     bool is_unreadable; // SQLite cannot read all of the file
@@ -148,7 +149,8 @@ static bool open_database(struct store *store, const char *path, struct error *e
             store->db, "SELECT max(last_job_id, (SELECT coalesce(max(id), 0) FROM job)) FROM daemon", &last_id, error))
         return false;
     store->next_job_id = last_id + 1;
-    store_counts_raise(store->folder, &(struct store_counts){.last_job_id = last_id, .epoch = store->epoch});
+    // Where that fails, the ids of the next jobs are counted, or the jobs refused.
+    store_counts_raise(store->folder, &(struct store_counts){.last_job_id = last_id, .epoch = store->epoch}, NULL);
     // The newest plan of an owner is never dropped.
     if (!store_sql_read_integer(store->db, "SELECT coalesce(max(number), 0) + 1 FROM plan", &store->next_plan_number,
                                 error))
@@ -446,14 +448,22 @@ static bool commit_with_reserve(struct store *store, const struct store_op *ops,
     return try_to_commit(store, ops, op_count, error);
 }
 
+static bool count_id(struct store *store, int64_t id, struct error *error)
+{
+    const struct store_counts counts = {.last_job_id = id, .epoch = store->epoch};
+    bool ok = store_counts_raise(store->folder, &counts, error);
+
+    store->uncounted_id = ok ? 0 : id;
+    return ok;
+}
+
 // An id is counted before its job is there: a store that is restored from a backup does not give it again.
 bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
     int64_t next_id = next_id_after(store, ops, op_count);
 
     if (op_count == 0) return true;
-    if (next_id > store->next_job_id)
-        store_counts_raise(store->folder, &(struct store_counts){.last_job_id = next_id - 1, .epoch = store->epoch});
+    if (next_id > store->next_job_id && !count_id(store, next_id - 1, error)) return false;
     if (!commit_with_reserve(store, ops, op_count, error)) return false;
     store->next_job_id = next_id;
     return true;
@@ -472,6 +482,7 @@ bool store_has_reserve(const struct store *store)
 bool store_probe(struct store *store, struct error *error)
 {
     if (!store->has_reserve) store->has_reserve = store_reserve_make(store->folder, error);
+    if (store->uncounted_id > 0 && !count_id(store, store->uncounted_id, error)) return false;
     return store->has_reserve && is_in_place(store, error) && store_sql_run(store->statements[PROBE], "commit", error);
 }
 

@@ -153,8 +153,7 @@ static bool raise_counts(sqlite3 *db, const char *folder, bool *has_counts, stru
         return false;
     counts.epoch += JUMP;
     if (!*has_counts) counts.last_job_id += JUMP;
-    store_counts_raise(folder, &counts);
-    return true;
+    return store_counts_raise(folder, &counts, error);
 }
 
 static bool move(const char *folder, const char *from_name, const char *to_name, struct error *error)

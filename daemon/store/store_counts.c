@@ -2,7 +2,9 @@
 #include "daemon/store/store_counts.h"
 
 #include "core/base/alloc.h"
+#include "core/base/error.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -39,20 +41,26 @@ bool store_counts_read(const char *folder, struct store_counts *counts)
 }
 
 // Numbers of a fixed width are written in place: a full disk does not keep them from growing.
-void store_counts_raise(const char *folder, const struct store_counts *counts)
+bool store_counts_raise(const char *folder, const struct store_counts *counts, struct error *error)
 {
     struct store_counts raised;
     char text[TEXT_SIZE];
     int fd, length;
+    bool ok = false;
 
     store_counts_read(folder, &raised);
-    if (counts->last_job_id <= raised.last_job_id && counts->epoch <= raised.epoch) return;
+    if (counts->last_job_id <= raised.last_job_id && counts->epoch <= raised.epoch) return true;
     if (counts->last_job_id > raised.last_job_id) raised.last_job_id = counts->last_job_id;
     if (counts->epoch > raised.epoch) raised.epoch = counts->epoch;
     fd = open_file(folder, O_WRONLY | O_CREAT);
-    if (fd < 0) return;
-    length = snprintf(text, sizeof text, "job %019" PRId64 " epoch %019" PRId64 "\n", raised.last_job_id, raised.epoch);
-    if (pwrite(fd, text, (size_t)length, 0) != length) ftruncate(fd, 0);
-    fdatasync(fd);
-    close(fd);
+    if (fd >= 0) {
+        length =
+            snprintf(text, sizeof text, "job %019" PRId64 " epoch %019" PRId64 "\n", raised.last_job_id, raised.epoch);
+        errno = ENOSPC; // of a write of a part
+        ok = pwrite(fd, text, (size_t)length, 0) == length && fdatasync(fd) == 0;
+    }
+    if (!ok) error_set_errno(error, errno, "store: cannot count ids in %s/counts", folder);
+    if (!ok && fd >= 0) ftruncate(fd, 0);
+    if (fd >= 0) close(fd);
+    return ok;
 }

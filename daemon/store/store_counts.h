@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+struct error;
+
 // Kept apart from the store, so that one restored from a backup, by whatever means, does not give ids a second time.
 struct store_counts {
     int64_t last_job_id, epoch;
@@ -12,5 +14,5 @@ struct store_counts {
 
 // Reads FOLDER/counts. False, and zero, when there is none or it is no such file.
 bool store_counts_read(const char *folder, struct store_counts *counts);
-// Writes it, larger numbers only, and syncs. A failure is none of the store, which has the numbers too.
-void store_counts_raise(const char *folder, const struct store_counts *counts);
+// Writes it, larger numbers only, and syncs. A file that could not be written is as none.
+bool store_counts_raise(const char *folder, const struct store_counts *counts, struct error *error);

@@ -69,7 +69,7 @@ static void commit_is_synced_before_it_is_acknowledged(void **state)
     for (int64_t id = 1; id <= 5; id++) {
         sync_count = 0;
         commit_one(store, job_op(id));
-        assert_true(sync_count > 0);
+        assert_true(sync_count >= 2); // of the id, and of the job
     }
     store_close(store);
 }
@@ -77,16 +77,17 @@ static void commit_is_synced_before_it_is_acknowledged(void **state)
 static void failed_sync_fails_the_commit(void **state)
 {
     struct store *store = open_store(*state);
-    struct store_op op = job_op(1);
+    struct store_op op = frame_op(1, 0, FRAME_SUCCEEDED);
     struct error error = {0};
 
+    commit_one(store, job_op(1));
     sync_errno = EIO;
     assert_false(store_commit(store, &op, 1, &error));
     sync_errno = 0;
     assert_string_equal(error.message, "store: cannot commit: Input/output error");
-    assert_int_equal(load(store).jobs, 0);
+    assert_int_equal(load(store).frames, 0);
     assert_true(commit(store, &op, 1, &error));
-    assert_int_equal(load(store).jobs, 1);
+    assert_int_equal(load(store).frames, 1);
     store_close(store);
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "daemon/store/store_counts.h"
 #include "daemon/store/store_reader.h"
 #include "tests/daemon/store/store_fixture.h"
 
@@ -101,6 +102,30 @@ static void a_store_that_lost_its_name_takes_nothing(void **state)
     store_op_finish(&op);
     free(path);
     free(aside);
+}
+
+static void a_job_whose_id_cannot_be_counted_is_refused(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    char *path = xasprintf("%s/counts", folder->path);
+    struct store_op op = job_op(1);
+    struct store_counts counts;
+    struct error error = {0};
+
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(mkdir(path, 0700), 0);
+    assert_false(store_commit(store, &op, 1, &error));
+    assert_non_null(strstr(error.message, "cannot count ids in"));
+    assert_false(store_probe(store, NULL));
+    assert_int_equal(rmdir(path), 0);
+    assert_true(store_probe(store, NULL));
+    assert_true(store_commit(store, &op, 1, NULL));
+    assert_true(store_counts_read(folder->path, &counts));
+    assert_int_equal(counts.last_job_id, 1);
+    store_close(store);
+    store_op_finish(&op);
+    free(path);
 }
 
 static void change_of_an_unknown_job_is_an_error(void **state)
@@ -375,6 +400,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(each_start_has_its_epoch, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(job_is_loaded_as_it_was_stored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_store_that_lost_its_name_takes_nothing, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_job_whose_id_cannot_be_counted_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(change_of_an_unknown_job_is_an_error, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(intent_is_loaded_whole, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(result_takes_the_place_of_the_intent, make_folder, remove_folder),
