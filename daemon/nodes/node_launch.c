@@ -157,8 +157,15 @@ struct node_launch *node_launch_start(uv_loop_t *loop, char *const command[], no
     return NULL;
 }
 
-const char *node_launch_last_text(const struct node_launch *launch)
+const char *node_launch_last_text(struct node_launch *launch)
 {
+    char bytes[4096];
+    ssize_t count;
+    int fd;
+
+    // What it said before its end may still wait: the loop reads pipes in any order.
+    while (uv_fileno((uv_handle_t *)&launch->errors, &fd) == 0 && (count = read(fd, bytes, sizeof bytes)) > 0)
+        take_text(launch, bytes, (size_t)count);
     return launch->last;
 }
 

@@ -126,6 +126,7 @@ struct reading {
     int worker_count; // of nodes without a count
     char *program;    // owned; on the nodes
     char *command;    // owned
+    char *ssh_config; // owned; ssh's file of settings
 };
 
 static bool read_landlock(struct pool_options *pool, const char *value, struct error *error)
@@ -143,6 +144,13 @@ static bool read_text(char **text, const char *value)
     return true;
 }
 
+static bool read_ssh_config(struct reading *reading, const char *value, struct error *error)
+{
+    if (*value == '/') return read_text(&reading->ssh_config, value);
+    error_set(error, "ssh-config: expected an absolute path, got \"%s\"", value);
+    return false;
+}
+
 static bool read_setting(struct reading *reading, const char *key, const char *value, struct error *error)
 {
     struct pool_options *pool = reading->pool;
@@ -153,14 +161,15 @@ static bool read_setting(struct reading *reading, const char *key, const char *v
         return options_value_count(key, value, POOL_WORKER_LIMIT, &reading->worker_count, error);
     if (strcmp(key, "program") == 0) return read_text(&reading->program, value);
     if (strcmp(key, "command") == 0) return read_text(&reading->command, value);
+    if (strcmp(key, "ssh-config") == 0) return read_ssh_config(reading, value, error);
     if (strcmp(key, "backend") == 0) return options_value_backend(value, &pool->backend, error);
     if (strcmp(key, "threads") == 0) return options_value_count(key, value, 1024, &pool->thread_count, error);
     if (strcmp(key, "worker-memory") == 0) return options_value_memory(key, value, &pool->memory_bytes, error);
     if (strcmp(key, "heartbeat") == 0) return options_value_seconds(key, value, 1, &pool->heartbeat_ms, error);
     if (strcmp(key, "landlock") == 0) return read_landlock(pool, value, error);
     error_set(error,
-              "%s: expected launcher, nodes, workers, program, command, backend, threads, worker-memory, heartbeat or "
-              "landlock",
+              "%s: expected launcher, nodes, workers, program, command, ssh-config, backend, threads, worker-memory, "
+              "heartbeat or landlock",
               key);
     return false;
 }
@@ -173,9 +182,10 @@ static bool is_plain_path(const char *path)
     return true;
 }
 
-static bool make_ssh_command(struct words *command, const char *program, struct error *error)
+static bool make_ssh_command(struct words *command, const struct reading *reading, const char *program,
+                             struct error *error)
 {
-    static const char *const words[] = {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20", "--", "{node}"};
+    static const char *const words[] = {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20"};
 
     if (!is_plain_path(program)) {
         error_set(error, "program: expected a path of letters, digits and -._/+, got \"%s\"", program);
@@ -183,6 +193,12 @@ static bool make_ssh_command(struct words *command, const char *program, struct 
     }
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         add_word(command, xstrdup(words[i]));
+    if (reading->ssh_config) {
+        add_word(command, xstrdup("-F"));
+        add_word(command, xstrdup(reading->ssh_config));
+    }
+    add_word(command, xstrdup("--"));
+    add_word(command, xstrdup("{node}"));
     add_word(command, xstrdup(program));
     add_word(command, xstrdup("--node"));
     return true;
@@ -198,11 +214,16 @@ static bool make_command(struct reading *reading, struct error *error)
         error_set(error, "command: expected with launcher=command only");
         return false;
     }
+    if (reading->pool->launcher != POOL_SSH && reading->ssh_config) {
+        error_set(error, "ssh-config: expected with launcher=ssh only");
+        return false;
+    }
     if (reading->pool->launcher == POOL_COMMAND && !reading->command) {
         error_set(error, "expected command=\"PROGRAM ... {node} ...\", or launcher=ssh");
         return false;
     }
-    ok = reading->command ? split(&command, reading->command, error) : make_ssh_command(&command, program, error);
+    ok = reading->command ? split(&command, reading->command, error)
+                          : make_ssh_command(&command, reading, program, error);
     if (ok && command.count == 0) error_set(error, "command: expected a program");
     reading->pool->command = command.words;
     return ok && command.count > 0;
@@ -256,6 +277,7 @@ bool pool_options_read(struct pool_options *pool, const char *text, struct error
     pool_options_free_command(words.words);
     free(reading.program);
     free(reading.command);
+    free(reading.ssh_config);
     if (!ok) pool_options_finish(pool);
     return ok;
 }

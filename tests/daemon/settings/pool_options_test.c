@@ -26,15 +26,26 @@ static void assert_command(const struct pool_options *pool, const char *node, co
 
 static void a_pool_of_ssh(void **state)
 {
-    static const char *const expected[] = {
-        "ssh",    "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20", "--", "ben", "/opt/marchd/march-worker",
-        "--node", NULL};
+    static const char *const expected[] = {"ssh",
+                                           "-T",
+                                           "-o",
+                                           "BatchMode=yes",
+                                           "-o",
+                                           "ConnectTimeout=20",
+                                           "-F",
+                                           "/etc/marchd/ssh/config",
+                                           "--",
+                                           "ben",
+                                           "/opt/marchd/march-worker",
+                                           "--node",
+                                           NULL};
     struct pool_options pool;
 
-    assert_true(pool_options_read(&pool,
-                                  "big launcher=ssh nodes=anna=4,ben workers=2  program=/opt/marchd/march-worker "
-                                  "heartbeat=7.5 landlock=optional threads=3 worker-memory=4G backend=egl",
-                                  NULL));
+    assert_true(pool_options_read(
+        &pool,
+        "big launcher=ssh nodes=anna=4,ben workers=2  program=/opt/marchd/march-worker "
+        "heartbeat=7.5 landlock=optional ssh-config=/etc/marchd/ssh/config threads=3 worker-memory=4G backend=egl",
+        NULL));
     assert_string_equal(pool.name, "big");
     assert_int_equal(pool.node_count, 2);
     assert_string_equal(pool.nodes[0].name, "anna");
@@ -82,6 +93,8 @@ static void faults_name_their_place(void **state)
          "--pool: p: nodes: expected a machine's name, got \"-oProxyCommand\""},
         {"p nodes=a;b launcher=ssh", "--pool: p: nodes: expected a machine's name, got \"a;b\""},
         {"p nodes=a=0 launcher=ssh", "nodes: expected a whole number from 1 to 1024"},
+        {"p nodes=a launcher=ssh ssh-config=x", "--pool: p: ssh-config: expected an absolute path, got \"x\""},
+        {"p nodes=a command=x ssh-config=/x", "--pool: p: ssh-config: expected with launcher=ssh only"},
         {"p nodes=a launcher=ssh program='x;y'", "--pool: p: program: expected a path of letters"},
         {"p nodes=a launcher=ssh heartbeat=0.1", "heartbeat: expected seconds from 1"},
         {"p nodes=a launcher=ssh landlock=yes", "landlock: expected required or optional, got \"yes\""},
