@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
+
+enum { AWAIT_MS = 20 };
 
 static bool is_expected(const struct stat *status, const struct published_file *expected)
 {
@@ -51,13 +54,36 @@ static bool check_name(int folder_fd, const char *name, struct error *error)
     return false;
 }
 
+// Opening a file asks a network file system for its newest state, and a descriptor is asked rather than a name.
+static bool is_seen(int folder_fd, const char *name, const struct published_file *expected)
+{
+    int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+    bool ok = fd >= 0 && fstat(fd, &status) == 0 && is_expected(&status, expected);
+
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
+void publish_await(int folder_fd, const char *part, const struct published_file *expected, int64_t limit_ms)
+{
+    const struct timespec pause = {.tv_nsec = AWAIT_MS * 1000 * 1000};
+
+    for (int64_t waited_ms = 0; waited_ms < limit_ms && !is_seen(folder_fd, part, expected); waited_ms += AWAIT_MS)
+        nanosleep(&pause, NULL);
+}
+
 bool publish_file(int folder_fd, const char *part, const char *name, const struct published_file *expected,
                   struct error *error)
 {
+    int errnum;
+
     if (!check_part(folder_fd, part, expected, error)) return false;
     if (!check_name(folder_fd, name, error)) return false;
     if (renameat(folder_fd, part, folder_fd, name) == 0) return true;
-    error_set_errno(error, errno, "cannot rename %s to %s", part, name);
+    errnum = errno;
+    if (is_seen(folder_fd, name, expected)) return true;
+    error_set_errno(error, errnum, "cannot rename %s to %s", part, name);
     return false;
 }
 

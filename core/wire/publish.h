@@ -16,8 +16,13 @@ struct published_file {
     char hash[HASH_TEXT_SIZE];
 };
 
-// Renames `part` to `name` in `folder_fd` after checking that `part` is a regular file with that inode and size. The
-// folder is synced by publish_sync, once a batch.
+// Waits until `part` is seen as it is expected, for a part file that another machine wrote: what network file systems
+// show of it may be old. At most so long; then publish_file says what is wrong. Blocking.
+void publish_await(int folder_fd, const char *part, const struct published_file *expected, int64_t limit_ms);
+
+// Renames `part` to `name` in `folder_fd` after checking that `part` is a regular file with that inode and size. A
+// rename that fails is looked at: where `name` is the file afterwards, it was done, as a network file system may do it
+// and answer that there is no `part` any more. The folder is synced by publish_sync, once a batch.
 bool publish_file(int folder_fd, const char *part, const char *name, const struct published_file *expected,
                   struct error *error);
 bool publish_sync(int folder_fd, struct error *error);

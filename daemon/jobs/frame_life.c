@@ -34,6 +34,7 @@ struct attempt_end {
     bool is_started;
     bool is_lost;                     // the worker is gone
     bool is_free;                     // the node of the worker is gone: neither frame nor worker is to blame
+    bool is_remote;                   // the worker is on a node, which may not see what is here
     bool is_hosted;                   // the worker was started for another job
     bool is_old;                      // the output root has changed since the worker was fenced in
     const struct store_frame *intent; // of its file, in the store; NULL: none
@@ -86,7 +87,7 @@ static void await_root(struct farm *farm, const struct attempt_end *end)
     if (end->intent)
         root_life_lose(farm, end->record->output_root, end->error);
     else
-        root_life_check(farm, end->record, ROOT_LIFE_ROOT_FAILED, end->error);
+        root_life_check(farm, end->record, end->is_remote ? ROOT_LIFE_NODE_FAILED : ROOT_LIFE_ROOT_FAILED, end->error);
 }
 
 static bool is_hopeless(const struct queue_job *queued)
@@ -195,6 +196,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
     struct publish_request request = {.record = record,
                                       .ticket = frame->ticket,
                                       .worker = worker->id,
+                                      .is_remote = worker->node != NULL,
                                       .epoch = farm->epoch,
                                       .file = report->file,
                                       .render_s = report->render_s,
@@ -253,6 +255,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .ticket = ticket,
                               .fault = report->fault,
                               .is_started = true,
+                              .is_remote = worker->node != NULL,
                               .is_hosted = worker_process_is_host(worker, ticket.job),
                               .is_old = worker->fence && job_fence_is_old(worker->fence),
                               .worker = worker->id,
@@ -262,6 +265,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     // Other users see these texts: control characters must not reach their terminals.
     log_disarm(error);
     log_disarm(log);
+    if (report->fault == RETRY_FAULT_ROOT) worker_process_doubt_node(worker);
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     estimate_add_pace(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL), 1.0);

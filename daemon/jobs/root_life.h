@@ -13,6 +13,7 @@ enum root_life_cause {
     ROOT_LIFE_FOLDER_WANTED, // a user wants it to go on: its folder is made if it is missing
     ROOT_LIFE_OUTPUT_FAILED, // a frame could not be written: the job is held, unless the root has changed
     ROOT_LIFE_ROOT_FAILED,   // a worker did not find the root: the job goes on if it is there
+    ROOT_LIFE_NODE_FAILED,   // a worker of a node did not find the root: whether it is there is looked at
     ROOT_LIFE_ROOT_BACK      // it has intents whose outcome the root knows
 };
 

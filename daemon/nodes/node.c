@@ -7,9 +7,12 @@
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "daemon/nodes/node_launch.h"
+#include "daemon/nodes/node_workers.h"
 #include "daemon/schedule/retry.h"
 #include "daemon/settings/pool_options.h"
+#include "node/node_look.h"
 #include "node/node_pipe.h"
+#include "node/node_probe.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -17,34 +20,27 @@
 #include <string.h>
 
 enum {
-    HELLO_MS = 60 * 1000, // so long a launcher may take
-    BEATS = 4,            // beats in the time after which silence is an end
-    BANNER_LINES = 1000   // lines that shells may print first
-};
-
-// The self of a worker's link.
-struct node_worker {
-    struct node_worker *next;
-    struct node *node;
-    int number, pid; // 0: not started yet
-    const struct worker_child_handlers *handlers;
-    void *user;
-    bool is_deaf; // no more lines are wanted
+    ANSWER_MS = 60 * 1000, // so long a launcher, or a look at the folders, may take
+    BEATS = 4,             // beats in the time after which silence is an end
+    BANNER_LINES = 1000    // lines that shells may print first
 };
 
 struct node {
     uv_loop_t *loop;
     struct node_params params;
-    node_on_change *on_change;
+    const struct node_handlers *handlers;
     void *user;
     enum node_state state;
     struct retry_backoff backoff;
     struct node_launch *launch; // NULL: none
     struct node_pipe *pipe;     // NULL: none
+    struct node_look *look;     // NULL: none
+    struct node_probe probe;    // owned
     int64_t launched_ms, next_beat_ms, now_ms;
+    int64_t asked_ms; // when it was asked to look at the roots; 0: it has answered
     int banner_lines;
-    struct node_worker *first; // owned by the links
-    char *host, *reason;       // owned
+    struct node_workers workers;
+    char *host, *reason; // owned
     bool is_stopping;
 };
 
@@ -53,13 +49,14 @@ static void on_end(void *user, const struct error *error);
 
 static const struct node_pipe_handlers pipe_handlers = {.on_line = on_line, .on_end = on_end};
 
-struct node *node_create(uv_loop_t *loop, const struct node_params *params, node_on_change *on_change, void *user)
+struct node *node_create(uv_loop_t *loop, const struct node_params *params, const struct node_handlers *handlers,
+                         void *user)
 {
     struct node *node = xcalloc(1, sizeof *node);
 
     node->loop = loop;
     node->params = *params;
-    node->on_change = on_change;
+    node->handlers = handlers;
     node->user = user;
     node->reason = xstrdup("it is to be started");
     return node;
@@ -98,16 +95,15 @@ static void lose(struct node *node, const char *reason)
     set_reason(node, full);
     if (node->pipe) node_pipe_close(node->pipe);
     if (node->launch) node_launch_end(node->launch);
-    node->pipe = NULL;
+    node_look_abandon(node->look);
+    node_probe_finish(&node->probe);
+    node->pipe = node->workers.pipe = NULL;
     node->launch = NULL;
+    node->look = NULL;
+    node->asked_ms = 0;
     if (!was_ready && !node->is_stopping) retry_backoff_fail(&node->backoff, node->now_ms);
-    // Each is closed by its owner meanwhile.
-    while (node->first) {
-        struct node_worker *worker = node->first;
-
-        worker->handlers->on_end(worker->user, -1, 0, node->reason);
-    }
-    node->on_change(node->user, node);
+    node_workers_lose(&node->workers, node->reason);
+    node->handlers->on_change(node->user, node);
 }
 
 static void launch(struct node *node)
@@ -127,7 +123,7 @@ static void launch(struct node *node)
     node->launched_ms = node->now_ms;
     node->banner_lines = 0;
     set_reason(node, xasprintf("node %s: its launcher runs, it has not answered", node->params.name));
-    node->on_change(node->user, node);
+    node->handlers->on_change(node->user, node);
 }
 
 static void check_pipe(struct node *node)
@@ -135,8 +131,10 @@ static void check_pipe(struct node *node)
     const struct pool_options *pool = node->params.pool;
     char reason[80];
 
-    if (node->state == NODE_STARTING && node->now_ms - node->launched_ms > HELLO_MS) {
+    if (node->state == NODE_STARTING && node->now_ms - node->launched_ms > ANSWER_MS) {
         lose(node, "it did not answer within 60 s");
+    } else if (node->asked_ms && node->now_ms - node->asked_ms > ANSWER_MS) {
+        lose(node, "it did not look at the folders within 60 s");
     } else if (node->state == NODE_READY && node_pipe_silent_ms(node->pipe) > pool->heartbeat_ms) {
         snprintf(reason, sizeof reason, "nothing was heard of it for %.3g s", (double)pool->heartbeat_ms / 1000);
         lose(node, reason);
@@ -172,11 +170,12 @@ static void welcome(struct node *node)
     node_pipe_say(node->pipe, NODE_WELCOME, NODE_NO_WORKER, writer.text, writer.length);
     json_writer_finish(&writer);
     node->state = NODE_READY;
+    node->workers.pipe = node->pipe;
     node->next_beat_ms = 0;
     node->backoff = (struct retry_backoff){0};
     set_reason(node, NULL);
     log_info("node %s: ready: %s, %d workers", node->params.name, node->host, node->params.worker_count);
-    node->on_change(node->user, node);
+    node->handlers->on_change(node->user, node);
 }
 
 // False, with the reason, when the node cannot be used.
@@ -213,6 +212,87 @@ static void refuse(struct node *node, const char *reason)
     lose(node, reason);
 }
 
+// The files of a probe that went wrong are removed by the step that sees all.
+static void refuse_roots(struct node *node, const char *reason)
+{
+    node_look_abandon(node_look_start(node->loop, &node->probe, NODE_LOOK_REMOVES, NULL, NULL));
+    refuse(node, reason);
+}
+
+static void on_written(void *user, struct node_probe *probe, const struct error *error)
+{
+    struct node *node = user;
+    struct json_writer writer = {0};
+
+    node->look = NULL;
+    node->probe = *probe;
+    if (error->message[0]) {
+        // A root that is gone is no fault of the node.
+        node_look_abandon(node_look_start(node->loop, &node->probe, NODE_LOOK_REMOVES, NULL, NULL));
+        if (node->state == NODE_PROBING) lose(node, error->message);
+        return;
+    }
+    node->asked_ms = node->now_ms;
+    node_probe_write_json(&node->probe, NULL, &writer);
+    node_pipe_say(node->pipe, NODE_PROBE, NODE_NO_WORKER, writer.text, writer.length);
+    json_writer_finish(&writer);
+}
+
+static void begin_probe(struct node *node)
+{
+    struct node_probe probe = {0};
+
+    root_marker_make_id(probe.token);
+    node->handlers->list_roots(node->user, &probe);
+    node->look = node_look_start(node->loop, &probe, NODE_LOOK_DAEMON_WRITES, on_written, node);
+}
+
+void node_look_at_roots(struct node *node)
+{
+    if (node->state == NODE_READY && !node->look && !node->asked_ms) begin_probe(node);
+}
+
+static void greet(struct node *node)
+{
+    node->state = NODE_PROBING;
+    set_reason(node, xasprintf("node %s: whether it sees the folders is looked at", node->params.name));
+    begin_probe(node);
+    node->handlers->on_change(node->user, node);
+}
+
+static void on_looked(void *user, struct node_probe *probe, const struct error *error)
+{
+    struct node *node = user;
+
+    node->look = NULL;
+    node_probe_finish(probe);
+    if (error->message[0])
+        refuse(node, error->message);
+    else if (node->state == NODE_PROBING)
+        welcome(node);
+}
+
+static bool take_probed(struct node *node, const struct node_line *line, struct error *error)
+{
+    struct cJSON *root;
+    struct json_node object;
+    struct error fault = {0};
+
+    if (!node->asked_ms) {
+        error_set(error, "it was not asked to look at the roots");
+        return false;
+    }
+    if (!json_parse(&root, line->rest, line->length, error)) return false;
+    node->asked_ms = 0;
+    object = json_node_root(root);
+    if (node_probe_read_json(&node->probe, &object, &fault))
+        node->look = node_look_start(node->loop, &node->probe, NODE_LOOK_DAEMON_LOOKS, on_looked, node);
+    else
+        refuse_roots(node, fault.message);
+    json_delete(root);
+    return true;
+}
+
 static bool take_hello(struct node *node, const struct node_line *line, struct error *error)
 {
     struct cJSON *root;
@@ -222,93 +302,11 @@ static bool take_hello(struct node *node, const struct node_line *line, struct e
     if (!json_parse(&root, line->rest, line->length, error)) return false;
     hello = json_node_root(root);
     if (suits(node, &hello, &reason))
-        welcome(node);
+        greet(node);
     else
         refuse(node, reason.message);
     json_delete(root);
     return true;
-}
-
-static struct node_worker *find(const struct node *node, int number)
-{
-    struct node_worker *worker = node->first;
-
-    while (worker && worker->number != number)
-        worker = worker->next;
-    return worker;
-}
-
-// Reads the JSON string that a line has as its rest; owned by the caller; NULL: it is none.
-static char *read_text(const struct node_line *line)
-{
-    struct cJSON *root;
-    struct json_node node;
-    const char *text;
-    char *copy = NULL;
-
-    if (!json_parse(&root, line->rest, line->length, NULL)) return NULL;
-    node = json_node_root(root);
-    if (json_read_string(&node, &text, NULL)) copy = xstrdup(text);
-    json_delete(root);
-    return copy;
-}
-
-static void take_log(struct node_worker *worker, const struct node_line *line)
-{
-    char *text = read_text(line);
-    size_t length = text ? strlen(text) : 0, limit = WORKER_CHILD_LOG_BYTES;
-
-    for (size_t start = 0; start < length; start += limit)
-        worker->handlers->on_log(worker->user, text + start, length - start < limit ? length - start : limit);
-    free(text);
-}
-
-static void take_failed(struct node_worker *worker, const struct node_line *line)
-{
-    char *text = read_text(line);
-
-    worker->handlers->on_end(worker->user, -1, 0, text ? text : "it was not started");
-    free(text);
-}
-
-static bool take_end(struct node_worker *worker, const struct node_line *line, struct error *error)
-{
-    char text[48];
-    long long status;
-    int signal;
-
-    snprintf(text, sizeof text, "%.*s", (int)(line->length < 40 ? line->length : 40), line->rest);
-    if (sscanf(text, "%lld %d", &status, &signal) != 2) {
-        error_set(error, "expected an exit status and a signal, got \"%s\"", text);
-        return false;
-    }
-    worker->handlers->on_end(worker->user, status, signal, NULL);
-    return true;
-}
-
-static bool take_worker_line(struct node *node, const struct node_line *line, struct error *error)
-{
-    struct node_worker *worker = find(node, line->worker);
-    char pid[16];
-
-    if (!worker) return true;
-    switch (line->word) {
-    case NODE_STARTED:
-        snprintf(pid, sizeof pid, "%.*s", (int)(line->length < 12 ? line->length : 12), line->rest);
-        worker->pid = atoi(pid);
-        return true;
-    case NODE_FAILED:
-        take_failed(worker, line);
-        return true;
-    case NODE_LOG:
-        take_log(worker, line);
-        return true;
-    case NODE_ENDED:
-        return take_end(worker, line, error);
-    default:
-        worker->is_deaf = worker->is_deaf || !worker->handlers->on_line(worker->user, line->rest, line->length);
-        return true;
-    }
 }
 
 // What shells print before the node's first line is no line of it.
@@ -336,7 +334,9 @@ static bool on_line(void *user, const char *bytes, size_t length, struct error *
     case NODE_LOG:
     case NODE_ENDED:
     case NODE_FROM:
-        return take_worker_line(node, &line, error);
+        return node_workers_take_line(&node->workers, &line, error);
+    case NODE_PROBED:
+        return take_probed(node, &line, error);
     case NODE_BEAT:
         return true;
     default:
@@ -378,72 +378,9 @@ const char *node_reason(const struct node *node)
     return node->reason;
 }
 
-static int worker_pid(const void *self)
-{
-    const struct node_worker *worker = self;
-
-    return worker->pid;
-}
-
-static void worker_send(void *self, const char *bytes, size_t count)
-{
-    struct node_worker *worker = self;
-
-    if (worker->node->pipe) node_pipe_say_lines(worker->node->pipe, NODE_TO, worker->number, bytes, count);
-}
-
-static void worker_kill(void *self)
-{
-    struct node_worker *worker = self;
-
-    if (worker->node->pipe) node_pipe_say(worker->node->pipe, NODE_KILL, worker->number, "", 0);
-}
-
-// The node looks after its workers, and brings their logs in order.
-static const char *worker_check(void *self)
-{
-    return NULL;
-}
-
-static void worker_read_log(void *self)
-{
-}
-
-static void worker_close(void *self)
-{
-    struct node_worker *worker = self, **link = &worker->node->first;
-
-    while (*link != worker)
-        link = &(*link)->next;
-    *link = worker->next;
-    free(worker);
-}
-
-static const struct worker_link_calls worker_calls = {.pid = worker_pid,
-                                                      .send = worker_send,
-                                                      .kill = worker_kill,
-                                                      .check = worker_check,
-                                                      .read_log = worker_read_log,
-                                                      .close = worker_close};
-
 void node_start_worker(struct node *node, int number, struct worker_link *link,
                        const struct worker_child_params *params, const struct worker_child_handlers *handlers,
                        void *user)
 {
-    struct node_worker *worker = xcalloc(1, sizeof *worker);
-    struct json_writer writer = {0};
-
-    *worker =
-        (struct node_worker){.next = node->first, .node = node, .number = number, .handlers = handlers, .user = user};
-    node->first = worker;
-    *link = (struct worker_link){.calls = &worker_calls, .self = worker};
-    json_write_begin_object(&writer);
-    json_write_string_member(&writer, "backend", params->backend);
-    json_write_integer_member(&writer, "threads", params->thread_count);
-    json_write_integer_member(&writer, "memory", params->memory_bytes);
-    json_write_bool_member(&writer, "sandbox", params->has_sandbox);
-    json_write_bool_member(&writer, "fenced", params->is_fenced);
-    json_write_end_object(&writer);
-    node_pipe_say(node->pipe, NODE_START, number, writer.text, writer.length);
-    json_writer_finish(&writer);
+    node_workers_start(&node->workers, number, link, params, handlers, user);
 }

@@ -14,11 +14,13 @@
 
 struct error;
 struct node;
+struct node_probe;
 struct pool_options;
 
 enum node_state {
     NODE_DOWN,     // nothing runs
     NODE_STARTING, // the launcher runs, the node has not answered
+    NODE_PROBING,  // it has answered; whether it sees the roots is looked at
     NODE_READY     // it takes workers
 };
 
@@ -29,15 +31,21 @@ struct node_params {
     int worker_count;
 };
 
-// Called when its state or its reason changed.
-typedef void node_on_change(void *user, struct node *node);
+struct node_handlers {
+    void (*on_change)(void *user, struct node *node);         // its state or its reason changed
+    void (*list_roots)(void *user, struct node_probe *probe); // adds the roots that the node must see
+};
 
-struct node *node_create(uv_loop_t *loop, const struct node_params *params, node_on_change *on_change, void *user);
+// `handlers` is borrowed and outlives the node.
+struct node *node_create(uv_loop_t *loop, const struct node_params *params, const struct node_handlers *handlers,
+                         void *user);
 void node_destroy(struct node *node); // legal when it is down; accepts NULL
 // To be called several times a second: starts it when that is due, beats, and looks whether it was heard.
 void node_check(struct node *node, int64_t now_ms);
 // Ends it with all its workers, whose handlers are told. It is not started any more.
 void node_stop(struct node *node);
+// Probes a ready node again, for its roots may have changed: it goes on meanwhile, and ends if something is wrong.
+void node_look_at_roots(struct node *node);
 
 enum node_state node_state(const struct node *node);
 const char *node_name(const struct node *node);

@@ -13,6 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
+// So long may what another machine wrote take to be seen.
+enum { SEEN_MS = 5000 };
+
 struct publish_list {
     struct publish_request **requests; // owned
     size_t count, capacity;
@@ -167,6 +170,7 @@ static void publish_one(const char *farm, struct publish_request *request, int f
         return;
     }
     output_path_format_part(path, &names, part);
+    if (request->is_remote) publish_await(folder, part, &request->file, SEEN_MS);
     if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
 }
 

@@ -29,8 +29,9 @@ struct publish_request {
     bool is_found; // the file has its name already, says the worker: it is only looked at; `file` has no inode
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
-    int worker;    // id of the worker that rendered it
-    int64_t epoch; // of the part file
+    int worker;     // id of the worker that rendered it
+    bool is_remote; // on another machine: its file may not be seen at once
+    int64_t epoch;  // of the part file
     struct published_file file;
     double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;

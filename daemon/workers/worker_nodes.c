@@ -2,11 +2,14 @@
 #include "daemon/workers/worker_nodes.h"
 
 #include "core/base/alloc.h"
+#include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
 #include "daemon/settings/pool_options.h"
 #include "daemon/workers/worker_slot.h"
+#include "node/node_probe.h"
 
 #include <stdlib.h>
+#include <unistd.h>
 
 int worker_nodes_count_slots(const struct options *options)
 {
@@ -17,9 +20,25 @@ int worker_nodes_count_slots(const struct options *options)
     return count;
 }
 
-void worker_nodes_make(struct worker_nodes *nodes, uv_loop_t *loop, const struct options *options,
-                       struct worker_slot *slots, node_on_change *on_change, void *user)
+void worker_nodes_list_roots(void *user, struct node_probe *probe)
 {
+    const struct farm *farm = user;
+    const struct path_list *inputs = &farm->options->input_roots;
+
+    for (size_t i = 0; i < farm->roots.count; i++) {
+        const struct root *root = farm->roots.roots[i];
+
+        if (root->is_there && root->is_watched && root->id[0]) node_probe_add(probe, root->path, root->id);
+    }
+    for (size_t i = 0; i < inputs->count; i++)
+        if (access(inputs->paths[i], F_OK) == 0) node_probe_add(probe, inputs->paths[i], "");
+}
+
+void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct worker_slot *slots,
+                       const struct node_handlers *handlers)
+{
+    const struct options *options = farm->options;
+
     for (size_t i = 0; i < options->pools.count; i++) {
         const struct pool_options *pool = &options->pools.pools[i];
 
@@ -29,7 +48,7 @@ void worker_nodes_make(struct worker_nodes *nodes, uv_loop_t *loop, const struct
                                                .name = pool->nodes[k].name,
                                                .version = options->version,
                                                .worker_count = pool->nodes[k].worker_count};
-            struct node *node = node_create(loop, &params, on_change, user);
+            struct node *node = node_create(farm->loop, &params, handlers, farm);
 
             nodes->nodes[nodes->count++] = node;
             for (int worker = 0; worker < params.worker_count; worker++)

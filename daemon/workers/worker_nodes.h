@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <uv.h>
-
+struct farm;
+struct node_probe;
 struct options;
 struct worker_child_params;
 struct worker_slot;
@@ -21,9 +21,12 @@ struct worker_nodes {
 };
 
 int worker_nodes_count_slots(const struct options *options);
-// Makes the nodes and gives each its slots, of those at `slots`, which are as many as counted. None is started.
-void worker_nodes_make(struct worker_nodes *nodes, uv_loop_t *loop, const struct options *options,
-                       struct worker_slot *slots, node_on_change *on_change, void *user);
+// Adds the roots that a node must see: the output roots that are there, and the input roots that this machine has.
+void worker_nodes_list_roots(void *farm, struct node_probe *probe);
+// Makes the nodes and gives each its slots, of those at `slots`, which are as many as counted. None is started. The
+// handlers' user is the farm.
+void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct worker_slot *slots,
+                       const struct node_handlers *handlers);
 void worker_nodes_check(struct worker_nodes *nodes, int64_t now_ms); // as node_check
 void worker_nodes_stop(struct worker_nodes *nodes);
 void worker_nodes_finish(struct worker_nodes *nodes); // legal when they are stopped

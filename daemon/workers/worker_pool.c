@@ -39,6 +39,8 @@ static void on_report(void *user, struct worker_process *worker, const struct wo
 static void on_gone(void *user, struct worker_process *worker);
 static void on_node_change(void *user, struct node *node);
 
+static const struct node_handlers node_handlers = {.on_change = on_node_change, .list_roots = worker_nodes_list_roots};
+
 struct worker_pool *worker_pool_create(struct farm *farm, int local_count, const struct worker_pool_handlers *handlers)
 {
     struct worker_pool *pool = xcalloc(1, sizeof *pool);
@@ -52,7 +54,7 @@ struct worker_pool *worker_pool_create(struct farm *farm, int local_count, const
     pool->local_count = local_count;
     pool->turns =
         (struct worker_turns){.farm = farm, .slots = pool->slots, .slot_count = slot_count, .local_count = local_count};
-    worker_nodes_make(&pool->nodes, farm->loop, farm->options, pool->slots + local_count, on_node_change, pool);
+    worker_nodes_make(&pool->nodes, farm, pool->slots + local_count, &node_handlers);
     uv_timer_init(farm->loop, &pool->tick);
     pool->tick.data = pool;
     return pool;
@@ -129,7 +131,8 @@ static void start_due(struct worker_pool *pool)
 // Its workers are started as soon as it takes them; a slot without one tells why.
 static void on_node_change(void *user, struct node *node)
 {
-    struct worker_pool *pool = user;
+    const struct farm *farm = user;
+    struct worker_pool *pool = farm->pool;
 
     for (int i = pool->local_count; i < pool->slot_count; i++)
         if (pool->slots[i].node == node && !pool->slots[i].worker) pool->handlers->on_slot_changed(pool->farm, i);
@@ -220,7 +223,10 @@ static void note_unable(struct worker_pool *pool, struct worker_process *worker,
     if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
     if (worker->job != WORKER_ANY_JOB && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
         worker->is_replaced = true;
-        if (record) pool->handlers->on_job_refused(pool->farm, record, report->fault, report->error);
+        if (worker->node && report->fault == RETRY_FAULT_ROOT)
+            node_look_at_roots(worker->node);
+        else if (record)
+            pool->handlers->on_job_refused(pool->farm, record, report->fault, report->error);
     }
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }

@@ -46,7 +46,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     worker->job = params->job;
     worker->fence = params->fence;
     worker->memory_bytes = params->child.memory_bytes;
-    worker->loop = loop;
+    worker->node = params->node;
     if (params->node) {
         node_start_worker(params->node, params->id, &worker->link, &params->child, &link_handlers, worker);
     } else if (!worker_link_start_here(&worker->link, loop, &params->child, &link_handlers, worker, error)) {
@@ -193,6 +193,11 @@ void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_m
 {
     worker->stop_by_ms = stop_by_ms;
     worker->state = WORKER_STOPPING;
+}
+
+void worker_process_doubt_node(const struct worker_process *worker)
+{
+    if (worker->node) node_look_at_roots(worker->node);
 }
 
 void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms)

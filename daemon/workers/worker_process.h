@@ -49,6 +49,7 @@ struct worker_process {
     int id;
     enum worker_state state;
     int64_t job;             // the job that it was started for; WORKER_ANY_JOB; WORKER_NO_JOB: that job is over
+    struct node *node;       // borrowed; where it runs; NULL: on this machine
     struct job_fence *fence; // owned; other jobs that it may serve; NULL: none, or any
     int64_t next_job;        // the job that it makes room for; 0: none
     bool is_replaced;        // it exits to make room: its end is no fault
@@ -70,7 +71,6 @@ struct worker_process {
     size_t log_length;
 
     // For the module only.
-    uv_loop_t *loop; // borrowed
     struct worker_link link;
     bool is_over; // it ended: there is nothing to kill
     int64_t exit_status;
@@ -91,6 +91,8 @@ void worker_process_kill(struct worker_process *worker, const char *reason);
 // Sends worker.exit; the worker is killed at `stop_by_ms`.
 void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms);
 void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // as above, without the message
+// It did not find a root that may be there: its node, if it has one, has to look.
+void worker_process_doubt_node(const struct worker_process *worker);
 void worker_process_check(struct worker_process *worker, int64_t now_ms); // to be called several times a second
 void worker_process_close(struct worker_process *worker);                 // frees it
 

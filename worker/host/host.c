@@ -7,6 +7,7 @@
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "node/memory_share.h"
+#include "node/node_look.h"
 #include "node/node_pipe.h"
 #include "node/worker_child.h"
 #include "worker/host/host_hello.h"
@@ -41,6 +42,7 @@ struct host {
     uv_timer_t tick;
     uv_signal_t terminate;
     struct node_pipe *pipe; // NULL: closed
+    struct node_look *look; // NULL: none runs
     struct hosted *first;   // owned
     const char *version, *worker;
     bool is_welcome;
@@ -114,6 +116,7 @@ static void leave(struct host *host, int exit_code)
         free(hosted);
     }
     host->first = NULL;
+    node_look_abandon(host->look);
     node_pipe_close(host->pipe);
     host->pipe = NULL;
     uv_close((uv_handle_t *)&host->tick, NULL);
@@ -142,6 +145,31 @@ static bool read_welcome(struct host *host, const struct json_node *welcome, str
     host->worker_count = (int)worker_count;
     host->is_welcome = true;
     return true;
+}
+
+static void on_looked(void *user, struct node_probe *probe, const struct error *error)
+{
+    struct host *host = user;
+    struct json_writer writer = {0};
+
+    host->look = NULL;
+    node_probe_write_json(probe, error->message[0] ? error->message : NULL, &writer);
+    node_pipe_say(host->pipe, NODE_PROBED, NODE_NO_WORKER, writer.text, writer.length);
+    json_writer_finish(&writer);
+    node_probe_finish(probe);
+}
+
+static bool read_probe(struct host *host, const struct json_node *object, struct error *error)
+{
+    struct node_probe probe = {0};
+    bool ok = !host->look && node_probe_read_json(&probe, object, error);
+
+    if (ok)
+        host->look = node_look_start(&host->loop, &probe, NODE_LOOK_NODE_ANSWERS, on_looked, host);
+    else if (host->look)
+        error_set(error, "a probe has begun already");
+    node_probe_finish(&probe);
+    return ok;
 }
 
 static bool read_child(const struct host *host, const struct json_node *order, struct worker_child_params *params,
@@ -200,7 +228,11 @@ static bool take_object(struct host *host, const struct node_line *line, struct 
 
     if (!json_parse(&root, line->rest, line->length, error)) return false;
     object = json_node_root(root);
-    ok = line->word == NODE_WELCOME ? read_welcome(host, &object, error) : start(host, line->worker, &object, error);
+    if (line->word == NODE_PROBE)
+        ok = read_probe(host, &object, error);
+    else
+        ok =
+            line->word == NODE_WELCOME ? read_welcome(host, &object, error) : start(host, line->worker, &object, error);
     json_delete(root);
     return ok;
 }
@@ -228,6 +260,7 @@ static bool on_line(void *user, const char *bytes, size_t length, struct error *
 
     if (!node_line_read(&line, bytes, length, error)) return false;
     switch (line.word) {
+    case NODE_PROBE:
     case NODE_WELCOME:
     case NODE_START:
         return take_object(host, &line, error);

@@ -5,15 +5,31 @@
 #include "core/base/file.h"
 #include "tests/support/temp_folder.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
 
 #include <cmocka.h>
 
 static const char part[] = "x.0001.exr.1.1.1.part";
 static const char name[] = "x.0001.exr";
+
+static bool is_rename_silent;
+
+// As a network file system whose answer was lost: it is done, and the second try finds nothing.
+int renameat(int from_fd, const char *from, int to_fd, const char *to)
+{
+    int result = (int)syscall(SYS_renameat2, from_fd, from, to_fd, to, 0);
+
+    if (result != 0 || !is_rename_silent) return result;
+    errno = ENOENT;
+    return -1;
+}
 
 static int open_folder(void *const *state)
 {
@@ -77,6 +93,51 @@ static void part_gets_its_name(void **state)
     assert_true(file_read_text(temp_folder_path(state, name), 100, &text, NULL, NULL));
     assert_string_equal(text, "picture");
     free(text);
+    close(fd);
+}
+
+static void rename_that_was_done_is_believed(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    struct error error = {0};
+    int fd = open_folder(state);
+
+    is_rename_silent = true;
+    assert_true(publish_file(fd, part, name, &expected, &error));
+    is_rename_silent = false;
+    assert_true(exists(state, name));
+    assert_false(exists(state, part));
+    close(fd);
+}
+
+struct late_part {
+    void *const *state;
+    struct published_file file;
+};
+
+static void *write_later(void *argument)
+{
+    const struct late_part *late = argument;
+    const struct timespec pause = {.tv_nsec = 50 * 1000 * 1000};
+
+    nanosleep(&pause, NULL);
+    (void)rename(temp_folder_path(late->state, "hidden"), temp_folder_path(late->state, part));
+    return NULL;
+}
+
+static void part_that_is_seen_late_is_awaited(void **state)
+{
+    struct late_part late = {.state = state, .file = write_file(state, "hidden", "picture")};
+    int fd = open_folder(state);
+    pthread_t writer;
+
+    publish_await(fd, part, &late.file, 0);
+    assert_false(publish_file(fd, part, name, &late.file, NULL));
+    write_file(state, part, "an older one");
+    assert_int_equal(pthread_create(&writer, NULL, write_later, &late), 0);
+    publish_await(fd, part, &late.file, 60 * 1000);
+    assert_true(publish_file(fd, part, name, &late.file, NULL));
+    pthread_join(writer, NULL);
     close(fd);
 }
 
@@ -224,6 +285,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         WITH_FOLDER(file_that_was_found_is_looked_at),
         WITH_FOLDER(part_gets_its_name),
+        WITH_FOLDER(rename_that_was_done_is_believed),
+        WITH_FOLDER(part_that_is_seen_late_is_awaited),
         WITH_FOLDER(older_file_is_replaced),
         WITH_FOLDER(other_size_or_inode_is_refused),
         WITH_FOLDER(missing_part_is_refused),
