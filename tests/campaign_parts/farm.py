@@ -130,7 +130,7 @@ exec {programs}/stub-worker --names-job --mode "$mode" "$@"
         environment = dict(os.environ, **self.machine.environment, LIBGL_ALWAYS_SOFTWARE="1",
                            ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "detect_leaks=0") +
                            ":verify_asan_link_order=0")
-        arguments = [f"{self.programs}/marchd", "--state", self.state, "--socket", self.socket,
+        arguments = [f"{self.programs}/marchd", "--config", "/dev/null", "--state", self.state, "--socket", self.socket,
                      "--workers", str(self.workers), "--worker-program", self.worker, "--stop-timeout", "1",
                      "--progress-limit", str(progress_limit_s), "--input-root", "/", "--backend", "software"]
         for root in self.roots:

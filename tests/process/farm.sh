@@ -7,6 +7,7 @@ socket=$scratch/sock
 daemon_pid=
 as_daemon=() # what marchd is started with
 patience_s=600 # a guard against what never happens, not a measure: machines are slow and busy
+export XDG_CONFIG_HOME=$scratch/config # a daemon reads no settings of whoever runs the test
 
 fail()
 {
@@ -52,11 +53,13 @@ stub()
     echo "$program"
 }
 
-# start_daemon OPTION...: returns once it answers. It writes below $scratch/out unless told otherwise.
+# start_daemon OPTION...: returns once it answers. It writes below $scratch/out unless told otherwise, and root's reads no
+# settings of the machine.
 start_daemon()
 {
     [[ " $* " == *" --output-root "* ]] || set -- --output-root "$scratch/out" "$@"
     [[ " $* " == *" --input-root "* ]] || set -- --input-root / "$@"
+    [[ " $* " == *" --config "* ]] || set -- --config /dev/null "$@"
     "${as_daemon[@]}" "$bin/marchd" --state "$scratch/state" --socket "$socket" --workers 2 "$@" \
         2>>"$scratch/daemon.log" &
     daemon_pid=$!

@@ -1,5 +1,6 @@
 # Shared by the command line's process tests: what a command prints and how it ends. Sourced in a scratch folder.
 failures=0
+export XDG_CONFIG_HOME=$PWD/config # a daemon reads no settings of whoever runs the test
 
 fail() {
     echo "FAILED: $*"
