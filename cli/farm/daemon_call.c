@@ -7,6 +7,7 @@
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
 #include "cli/terminal/print.h"
+#include "cli/terminal/progress.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/json/json_write.h"
@@ -64,8 +65,9 @@ static bool tell_job(const struct json_node *result, int64_t id, struct json_wri
         json_write_raw(results, text, strlen(text));
         free(text);
     } else {
-        printf("job %" PRId64 ": %s%s%s\n", id, report.state, report.reason ? ": " : "",
-               report.reason ? report.reason : "");
+        text = progress_format_state(report.state, report.reason);
+        printf("job %" PRId64 ": %s\n", id, text);
+        free(text);
     }
     job_report_finish(&report);
     return true;

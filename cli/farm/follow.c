@@ -75,6 +75,14 @@ static bool waits(const struct job_report *report)
     return report->running == 0 && !job_report_has_ended(report);
 }
 
+static void tell_state(FILE *out, const struct job_report *report)
+{
+    char *state = progress_format_state(report->state, report->reason);
+
+    fprintf(out, "job %" PRId64 ": %s\n", report->id, state);
+    free(state);
+}
+
 // Whoever only waits is told at once why a job does not run.
 static void tell_reason(const struct follow *follow, struct followed *followed)
 {
@@ -85,7 +93,7 @@ static void tell_reason(const struct follow *follow, struct followed *followed)
     if (followed->told && strcmp(followed->told, reason) == 0) return;
     free(followed->told);
     followed->told = xstrdup(reason);
-    fprintf(stderr, "job %" PRId64 ": %s: %s\n", report->id, report->state, reason);
+    tell_state(stderr, report);
 }
 
 static bool note_job(struct follow *follow, const struct json_node *node, struct error *error)
@@ -253,9 +261,7 @@ static enum exit_status report_end(struct follow *follow)
 
         if (job_report_status(report) != EXIT_STATUS_DONE) status = EXIT_STATUS_FAILED;
         if (jobs) json_write_raw(jobs, follow->jobs[i].json, strlen(follow->jobs[i].json));
-        if (follow->params->ends)
-            fprintf(follow->params->ends, "job %" PRId64 ": %s%s%s\n", report->id, report->state,
-                    report->reason ? ": " : "", report->reason ? report->reason : "");
+        if (follow->params->ends) tell_state(follow->params->ends, report);
     }
     if (jobs) json_write_end_array(jobs);
     if (jobs) json_write_end_object(jobs);

@@ -40,6 +40,13 @@ char *progress_format_pace(double seconds_per_frame)
     return xasprintf(seconds_per_frame < 999.5 ? "%.3g" : "%.0f", seconds_per_frame);
 }
 
+char *progress_format_state(const char *state, const char *reason)
+{
+    if (!reason) return xstrdup(state);
+    if (strncmp(reason, state, strlen(state)) == 0) return xstrdup(reason);
+    return xasprintf("%s: %s", state, reason);
+}
+
 // Cuts `text` to `width` columns at a code point and replaces control bytes.
 static void fit_text(char *text, int width)
 {
@@ -84,8 +91,14 @@ static char *format_facts(const struct progress *progress)
         fprintf(out, "  %s", progress->phase);
         if (progress->phase_progress > 0) fprintf(out, " %.0f %%", 100 * progress->phase_progress);
     }
-    if (!is_running(progress)) fprintf(out, "  %s", progress->state);
-    if (progress->reason) fprintf(out, ": %s", progress->reason);
+    if (!is_running(progress)) {
+        char *state = progress_format_state(progress->state, progress->reason);
+
+        fprintf(out, "  %s", state);
+        free(state);
+    } else if (progress->reason) {
+        fprintf(out, ": %s", progress->reason);
+    }
     fclose(out);
     return text;
 }

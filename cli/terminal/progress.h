@@ -23,6 +23,9 @@ struct progress {
 
 // A line of at most `width` columns without newline; a bar fills the space that remains. Owned by the caller.
 char *progress_format(const struct progress *progress, int width, bool has_color);
+// "succeeded", "failed: ...": the state and why; a reason that begins with the state's word says both, as in "paused by
+// ann". `reason` may be NULL. Owned by the caller.
+char *progress_format_state(const char *state, const char *reason);
 // "1.2 s", "4:05", "2:03:09", "3 d 04:00"; owned by the caller.
 char *progress_format_duration(double seconds);
 // "<0.001", "0.0231", "6.41", "1234": seconds a frame; owned by the caller.

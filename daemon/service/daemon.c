@@ -155,7 +155,7 @@ static void start(struct daemon *daemon)
     worker_pool_start(daemon->farm.pool);
     restore_end_jobs(&daemon->farm);
     farm_want_feed(&daemon->farm);
-    log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
+    log_info("marchd %s: jobs: %zu; frames: %lld queued; output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
              (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
     manager_notify_ready(daemon->manager);
 }
@@ -311,7 +311,10 @@ static void on_client_gone(void *user, struct client *client)
 
 static void begin_stop(struct daemon *daemon)
 {
-    log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
+    if (queue_count(daemon->farm.queue, FRAME_RUNNING) > 0)
+        log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
+    else
+        log_info("stopping: no frame is running");
     daemon->phase = DAEMON_STOPPING;
     manager_notify_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
     listener_stop(daemon->listener);

@@ -57,9 +57,9 @@ bool opening_check_new(const struct options *options, struct error *error)
 
     if (trace)
         error_set(error,
-                  "store: there is no %s, but %s says that a farm was here: restore it (march restore FILE%s), or begin"
-                  " a new one (marchd --new-store)",
-                  path, trace, strstr(trace, STORE_BACKUP_NAME) ? ", as this one" : "");
+                  "store: there is no %s, but %s says that a farm was here: mount its disk, put a backup back"
+                  " (march restore %s %s), or begin a new farm (marchd --new-store)",
+                  path, trace, strstr(trace, STORE_BACKUP_NAME) ? trace : "FILE", options->state_folder);
     free(path);
     free(restored);
     free(trace);

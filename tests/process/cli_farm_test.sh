@@ -108,7 +108,7 @@ expect 1 march pause 99 5 1 --json
 grep -q '^{"jobs":\[{"id":5,.*\],"errors":\[{"id":99,"error":".*"},{"id":1,"error":".*"}\]}$' out ||
     fail "what cannot be done for one job is done for the others"
 expect 1 march pause 99 5
-expect_stdout "job 5: paused: paused by $(id -un)"
+expect_stdout "job 5: paused by $(id -un)"
 grep -q "job 99" err || fail "what could not be done is told"
 march frames 5 | head -n 1 >/dev/null || fail "a reader that goes away"
 
@@ -124,7 +124,7 @@ expect_stdout ""
 expect 0 march resume --all --yes
 grep -q "^job 5: " out || fail "resume --all"
 expect 0 march pause --owner "$(id -un)" --state queued,running --yes
-expect_stdout "job 5: paused: paused by $(id -un)"
+expect_stdout "job 5: paused by $(id -un)"
 
 march watch >watched 2>&1 &
 watcher=$!
@@ -152,7 +152,7 @@ fi
 # A daemon that is started again finds who waits for it; what waits is told at once, and why.
 march wait 5 >waited 2>waited_err &
 waiter=$!
-until grep -q "job 5: paused: paused by" waited_err || ! kill -0 "$waiter"; do sleep 0.05; done
+until grep -q "job 5: paused by" waited_err || ! kill -0 "$waiter"; do sleep 0.05; done
 kill "$daemon"
 wait "$daemon" || fail "the daemon's end: $(tail -n 3 marchd.log)"
 marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>>marchd.log &

@@ -49,6 +49,7 @@ expect "its workers" "$(ask worker.list | jq -c '[.result.workers[] | .reason] |
 expect "attempts spent" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" 0
 stop_daemon
 [ ! -e "$socket" ] || fail "an orderly stop leaves the socket"
+tail -n 1 "$scratch/daemon.log" | grep -q "stopping: no frame is running$" || fail "what the stop waits for"
 
 start_daemon --worker-program "$scratch/no-such-program"
 wait_until "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'

@@ -43,7 +43,7 @@ LC_ALL=C sed -i 's/castle\/f/castle\/g/' "$state/queue.db"
 rm "$state"/queue.db*
 starts_with && fail "a new farm was begun unasked"
 expect "the exit status, which keeps systemd from trying again" "$(starts_with; echo $?)" 2
-grep -q "there is no $state/queue.db, but $state/backup.db says that a farm was here" "$scratch/daemon.log" || fail "no question"
+grep -q "there is no $state/queue.db, but $state/backup.db says that a farm was here: mount its disk, put a backup back (march restore $state/backup.db $state), or begin" "$scratch/daemon.log" || fail "no question"
 start_daemon --new-store --worker-program "$(stub write:5)"
 expect "an id of the new store" "$(paused lake)" 4
 stop_daemon

@@ -46,7 +46,24 @@ static void waiting_job_says_why(void **state)
                                 .eta_s = 5,
                                 .reason = "paused by its owner"};
 
-    assert_line(&progress, 60, "a  [                    ]  0/10  paused: paused by its owner");
+    assert_line(&progress, 60, "a  [                            ]  0/10  paused by its owner");
+}
+
+static void state_and_reason_are_told_once(void **state)
+{
+    static const char *const rows[][3] = {
+        {"canceled", "canceled by ann", "canceled by ann"},
+        {"paused", "paused: output: full", "paused: output: full"},
+        {"queued", "waits behind job 4", "queued: waits behind job 4"},
+        {"succeeded", NULL, "succeeded"},
+    };
+
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char *text = progress_format_state(rows[i][0], rows[i][1]);
+
+        assert_string_equal(text, rows[i][2]);
+        free(text);
+    }
 }
 
 static void no_line_is_wider_than_asked_for(void **state)
@@ -176,7 +193,7 @@ static void plain_display_tells_at_once_that_a_job_is_held(void **state)
     rewind(out);
     for (int i = 0; i < 4; i++)
         assert_non_null(fgets(text, sizeof text, out));
-    assert_string_equal(text, "#7 cloud: 120/240  1.5 s/frame  paused: paused by ann\n");
+    assert_string_equal(text, "#7 cloud: 120/240  1.5 s/frame  paused by ann\n");
     assert_null(fgets(text, sizeof text, out));
     fclose(out);
 }
@@ -205,6 +222,7 @@ int main(void)
         cmocka_unit_test(bar_shows_the_share_that_is_done),
         cmocka_unit_test(failed_frames_are_in_the_bar_even_if_few),
         cmocka_unit_test(waiting_job_says_why),
+        cmocka_unit_test(state_and_reason_are_told_once),
         cmocka_unit_test(no_line_is_wider_than_asked_for),
         cmocka_unit_test(full_bar_has_no_gap),
         cmocka_unit_test(job_without_frames_is_no_division_by_zero),
