@@ -33,7 +33,7 @@ static const struct command commands[] = {
     {"log", "ID", 1, 1, DAEMON | BIT(FRAME), "Prints the messages of attempts that have ended, the newest last.",
      "march log 7 --frame 120", command_log},
     {"watch", "[ID...]", 0, ANY, DAEMON | BIT(RECONNECT),
-     "Shows the progress of these jobs, or of all jobs, until they have ended.", "march watch 7", command_watch},
+     "Shows the progress of these jobs until they have ended, or of all jobs.", "march watch 7", command_watch},
     {"wait", "ID...", 1, ANY, DAEMON | BIT(RECONNECT),
      "Waits until the jobs have ended; exit code 1 unless all succeeded.", "march wait 7 8", command_wait},
     {"pause", "[ID...]", 0, ANY, DAEMON | CHOICE, "Starts no more frames of the jobs until they are resumed.",
