@@ -49,6 +49,18 @@ resident_mib()
     awk '/^VmRSS/ { print int($2 / 1024) }' "/proc/$daemon_pid/status"
 }
 
+# loop_percent: sets `share`, the loop's of the daemon's processor time since the last call; 0 where that was below 0.1 s.
+loop_percent()
+{
+    local all_s loop_s
+
+    all_s=$(awk -v ticks="$(getconf CLK_TCK)" '{ print ($14 + $15) / ticks }' "/proc/$daemon_pid/stat")
+    loop_s=$(turns .sum_s)
+    share=$(jq -n "($all_s - ${last_all_s:-0}) as \$all | if \$all < 0.1 then 0 else 100 * ($loop_s - ${last_loop_s:-0}) / \$all | floor end")
+    last_all_s=$all_s
+    last_loop_s=$loop_s
+}
+
 # watch_memory SECONDS, watch_memory_until PID: the most of it, as `peak`.
 watch_memory()
 {
