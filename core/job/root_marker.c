@@ -93,6 +93,10 @@ enum root_marker_state root_marker_read(int root_fd, char id[static ROOT_MARKER_
 
     id[0] = '\0';
     if (!text && errno == ENOENT) return ROOT_MARKER_NONE;
+    if (!text && (errno == ELOOP || errno == EINVAL)) {
+        error_set(error, "has a " ROOT_MARKER_NAME " that is a link or no file: put the file back");
+        return ROOT_MARKER_UNKNOWN;
+    }
     if (!text) {
         error_set_errno(error, errno, "cannot read %s", ROOT_MARKER_NAME);
         return ROOT_MARKER_UNKNOWN;

@@ -63,6 +63,33 @@ static void other_root_is_not_the_one(void **state)
     assert_non_null(strstr(look.error.message, "is another one: its .marchd-root says "));
 }
 
+static void a_link_that_leads_elsewhere_is_away_until_it_leads_back(void **state)
+{
+    const char *link = temp_folder_path(state, "link"), *root = temp_folder_path(state, "root");
+    const char *other = temp_folder_path(state, "other");
+    struct root_look first, look;
+
+    mkdir(root, 0755);
+    mkdir(other, 0755);
+    assert_int_equal(symlink(root, link), 0);
+    first = look_at(link, "");
+    assert_true(first.is_there);
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(symlink(other, link), 0);
+    look = look_at(link, first.id);
+    assert_false(look.is_there || look.was_marked);
+    assert_non_null(strstr(look.error.message, "is not the folder that it was"));
+    assert_true(look_at(other, "").is_there); // marked by another farm
+    look = look_at(link, first.id);
+    assert_false(look.is_there);
+    assert_non_null(strstr(look.error.message, "is another one"));
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(symlink(root, link), 0);
+    look = look_at(link, first.id);
+    assert_true(look.is_there);
+    assert_memory_equal(&look.place, &first.place, sizeof first.place);
+}
+
 static void empty_marker_gets_the_expected_id(void **state)
 {
     struct root_look look;
@@ -134,6 +161,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(unknown_folder_is_marked_once, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(known_root_is_neither_made_nor_marked, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(other_root_is_not_the_one, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_link_that_leads_elsewhere_is_away_until_it_leads_back, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test_setup_teardown(empty_marker_gets_the_expected_id, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(empty_marker_of_another_user_is_made_anew_in_a_folder_of_ours,
                                         temp_folder_create, temp_folder_destroy),
