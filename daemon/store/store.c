@@ -9,6 +9,7 @@
 #include "daemon/store/store_load.h"
 #include "daemon/store/store_lock.h"
 #include "daemon/store/store_marks.h"
+#include "daemon/store/store_place.h"
 #include "daemon/store/store_repair.h"
 #include "daemon/store/store_reserve.h"
 #include "daemon/store/store_schema.h"
@@ -93,7 +94,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
 struct store {
     char *folder; // owned
     int lock_fd;
-    sqlite3 *db;                               // owned
+    sqlite3 *db; // owned
+    struct store_place place;
     sqlite3_stmt *statements[STATEMENT_COUNT]; // owned
     int64_t epoch;
     int64_t next_job_id;
@@ -188,6 +190,7 @@ struct store *store_open(const char *folder, bool *is_full, struct error *error)
     ok = false;
     for (int i = 0; i < STATEMENT_COUNT; i++)
         if (!store_sql_prepare(store->db, statement_texts[i], &store->statements[i], error)) goto out;
+    store_place_note(&store->place, folder);
     store->has_reserve = store_reserve_make(folder, NULL);
     ok = true;
 out:
@@ -411,24 +414,12 @@ static int64_t next_id_after(const struct store *store, const struct store_op *o
     return next_id;
 }
 
-// What is written to a file that has lost its name is gone when the daemon ends.
-static bool is_in_place(const struct store *store, struct error *error)
-{
-    int has_moved = 0;
-
-    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
-    if (!has_moved) return true;
-    error_set(error, "%s/queue.db was removed or replaced while the daemon runs: put it back, or restart the daemon",
-              store->folder);
-    return false;
-}
-
 static bool try_to_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
     bool ok = false;
 
     store->is_full = false;
-    if (!is_in_place(store, error)) return false;
+    if (!store_place_check(&store->place, store->folder, store->db, error)) return false;
     if (!store_sql_run(store->statements[BEGIN], "begin", error)) goto out;
     for (size_t i = 0; i < op_count; i++)
         if (!apply(store, &ops[i], error)) goto out;
@@ -483,7 +474,8 @@ bool store_probe(struct store *store, struct error *error)
 {
     if (!store->has_reserve) store->has_reserve = store_reserve_make(store->folder, error);
     if (store->uncounted_id > 0 && !count_id(store, store->uncounted_id, error)) return false;
-    return store->has_reserve && is_in_place(store, error) && store_sql_run(store->statements[PROBE], "commit", error);
+    return store->has_reserve && store_place_check(&store->place, store->folder, store->db, error) &&
+           store_sql_run(store->statements[PROBE], "commit", error);
 }
 
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error)

@@ -7,11 +7,13 @@
 #include "daemon/store/store_reader.h"
 #include "tests/daemon/store/store_fixture.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 static void new_folder_is_private(void **state)
 {
@@ -102,6 +104,53 @@ static void a_store_that_lost_its_name_takes_nothing(void **state)
     store_op_finish(&op);
     free(path);
     free(aside);
+}
+
+static void a_store_that_lost_its_log_takes_nothing(void **state)
+{
+    const struct folder *folder = *state;
+    char *path = xasprintf("%s/queue.db-wal", folder->path), *aside = xasprintf("%s/aside.db", folder->path);
+    struct store *store = open_store(folder);
+    struct store_op op = job_op(1);
+    struct error error = {0};
+
+    assert_int_equal(rename(path, aside), 0);
+    assert_false(store_commit(store, &op, 1, &error));
+    assert_non_null(strstr(error.message, "/queue.db-wal was removed or replaced"));
+    // Another file of its name is another log.
+    close(open(path, O_WRONLY | O_CREAT, 0600));
+    assert_false(store_probe(store, NULL));
+    assert_int_equal(rename(aside, path), 0);
+    assert_true(store_probe(store, NULL));
+    assert_true(store_commit(store, &op, 1, NULL));
+    store_close(store);
+    store_op_finish(&op);
+    free(path);
+    free(aside);
+}
+
+static void what_a_lost_log_held_is_in_the_store(void **state)
+{
+    const struct folder *folder = *state;
+    char *path = xasprintf("%s/queue.db-wal", folder->path);
+    pid_t child = fork();
+    struct store *store;
+    int status;
+
+    if (child == 0) {
+        struct store_op op = job_op(2);
+
+        store = store_open(folder->path, NULL, NULL);
+        commit_one(store, job_op(1));
+        unlink(path);
+        _exit(store_commit(store, &op, 1, NULL) ? 1 : 0);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    store = open_store(folder);
+    assert_int_equal(load(store).jobs, 1);
+    store_close(store);
+    free(path);
 }
 
 static void a_job_whose_id_cannot_be_counted_is_refused(void **state)
@@ -400,6 +449,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(each_start_has_its_epoch, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(job_is_loaded_as_it_was_stored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_store_that_lost_its_name_takes_nothing, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_store_that_lost_its_log_takes_nothing, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(what_a_lost_log_held_is_in_the_store, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_job_whose_id_cannot_be_counted_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(change_of_an_unknown_job_is_an_error, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(intent_is_loaded_whole, make_folder, remove_folder),
