@@ -135,7 +135,8 @@ class Audit:
         if said["state"] == "succeeded" and len(told) != said["frames"] and number not in books.robbed:
             self.note("lost", f"job {number} succeeded with {len(told)} of {said['frames']} frames")
         for path in files:
-            is_excused = number in books.robbed or path in books.unknown
+            is_older = said["state"] == "canceled" and number in books.retried
+            is_excused = number in books.robbed or path in books.unknown or is_older
             if path not in told and is_of(row["pattern"], path) and not is_excused:
                 self.note("left over", f"{path}: job {number} tells nothing of it")
 

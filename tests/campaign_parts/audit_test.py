@@ -174,6 +174,14 @@ class MadeUpFarm(unittest.TestCase):
         self.books.kept_files, self.books.removed_files = set(), {self.paths[0]}
         self.assertEqual(self.found(), {"left over"})
 
+    def test_files_of_frames_that_were_queued_again_and_canceled(self):
+        self.change_row("DELETE FROM frame WHERE frame_index = 0")
+        self.said[0]["state"] = "canceled"
+        self.books.canceled.add(7)
+        self.assertIn("left over", self.found())
+        self.books.retried.add(7)
+        self.assertEqual(self.found() & {"left over"}, set())
+
     def test_what_a_restored_backup_excuses(self):
         then = Books()
         self.books.accepted.add(8)

@@ -14,6 +14,7 @@ class Books:
         self.foreign = {}  # files of somebody else: text by path
         self.kept_files, self.removed_files = set(), set()
         self.forgotten = set()  # jobs that came after the backup that was restored
+        self.retried = set()  # jobs whose frames were queued again after they had succeeded
         self.unknown = set()  # files that were published after it, which the store may not know
         self.replaced = set()  # files that were published again after it, so that the store has an older inode
 

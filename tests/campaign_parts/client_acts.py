@@ -85,13 +85,17 @@ class ClientActs:
     def retry_a_part(self):
         """Frames that succeeded are looked at again, and skipped by a worker that looks."""
         number = self.retry({"state": ["succeeded", "failed", "canceled", "skipped"], "range": self.any_range()})
+        self.note_retried(number)
+
+    def note_retried(self, number):
+        """Its files stay, and are replaced as its frames are rendered, or not if it is canceled before."""
         if number:
             self.books.again.add(self.books.jobs[number]["folder"])
+            self.books.retried.add(number)
 
     def retry_by_force(self):
         number = self.retry({"state": ["succeeded", "failed"], "range": self.any_range(), "force": True})
-        if number:
-            self.books.again.add(self.books.jobs[number]["folder"])
+        self.note_retried(number)
 
     def change_priority(self):
         """Above 100 they are for administrators."""

@@ -18,6 +18,14 @@ PATIENCE_S = 600  # a guard against what never happens, not a measure: machines 
 MANY_FILES = 1024
 
 
+def children(pid):
+    try:
+        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+            return [int(child) for child in file.read().split()]
+    except OSError:
+        return []
+
+
 class Failure(Exception):
     """A promise that was not kept."""
 
@@ -101,7 +109,8 @@ class Farm:
         self.answer_s = PATIENCE_S
         self.generation = 0  # grows with each act that may keep the daemon from answering
         self.recoveries_s = []
-        self.worker = f"{folder}/worker"
+        self.worker, self.launcher = f"{folder}/worker", f"{folder}/launch"
+        self.has_nodes = False  # whether the next daemon has its workers on nodes
         self.modes = f"{folder}/modes"
         with open(self.worker, "w", encoding="utf-8") as file:
             file.write(f"""#!/bin/bash
@@ -114,6 +123,9 @@ mode=${{modes[turn % ${{#modes[@]}}]}}
 exec {programs}/stub-worker --names-job --mode "$mode" "$@"
 """)
         os.chmod(self.worker, 0o755)
+        with open(self.launcher, "w", encoding="utf-8") as file:
+            file.write(f"#!/bin/sh\nexec {programs}/march-worker --node --worker {self.worker}\n")
+        os.chmod(self.launcher, 0o755)
         self.set_modes("write:0")
 
     def set_modes(self, modes):
@@ -131,7 +143,7 @@ exec {programs}/stub-worker --names-job --mode "$mode" "$@"
                            ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "detect_leaks=0") +
                            ":verify_asan_link_order=0")
         arguments = [f"{self.programs}/marchd", "--config", "/dev/null", "--state", self.state, "--socket", self.socket,
-                     "--workers", str(self.workers), "--worker-program", self.worker, "--stop-timeout", "1",
+                     *self.worker_options(), "--worker-program", self.worker, "--stop-timeout", "1",
                      "--progress-limit", str(progress_limit_s), "--input-root", "/", "--backend", "software"]
         for root in self.roots:
             arguments += ["--output-root", root]
@@ -140,6 +152,13 @@ exec {programs}/stub-worker --names-job --mode "$mode" "$@"
                                             env=environment, preexec_fn=die_with_parent)
         self.began, self.is_up = time.monotonic(), False
         self.machine.note_start()
+
+    def worker_options(self):
+        """As many workers, here or on two nodes."""
+        if not self.has_nodes:
+            return ["--workers", str(self.workers)]
+        nodes = f"nodes=anna={self.workers - 1},ben"
+        return ["--workers", "none", "--pool", f"far launcher=command {nodes} heartbeat=2 command='{self.launcher}'"]
 
     def start(self, **options):
         """Returns once the daemon answers; its time counts as a recovery."""
@@ -223,11 +242,9 @@ exec {programs}/stub-worker --names-job --mode "$mode" "$@"
             resource.prlimit(self.process.pid, resource.RLIMIT_NOFILE, (min(count, hard), hard))
 
     def worker_pids(self):
-        try:
-            with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children", encoding="ascii") as file:
-                return [int(pid) for pid in file.read().split()]
-        except OSError:
-            return []
+        """Of the workers, and of the nodes."""
+        pids = children(self.process.pid)
+        return pids + [child for pid in pids for child in children(pid)]
 
     def memory_bytes(self):
         try:

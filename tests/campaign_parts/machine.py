@@ -10,7 +10,8 @@ import struct
 LIBC = ctypes.CDLL(None, use_errno=True)
 MS_BIND, MNT_DETACH = 4096, 2
 DISK_BYTES = 24 << 20
-DISK_FIELDS = ("device", "delay_us", "one_write_in", "one_sync_in", "one_rename_in", "one_tear_in")
+DISK_FIELDS = ("device", "delay_us", "one_write_in", "one_sync_in", "one_rename_in", "late_us", "one_lost_rename_in",
+               "one_tear_in")
 STATE, OUTPUT = 0, 1
 
 
@@ -62,13 +63,14 @@ class Machine:
     def __init__(self, folder, programs, can_mount):
         self.can_mount = can_mount
         self.disks = [Disk(folder, "state", can_mount), Disk(folder, "out", can_mount)]
-        self.names = f"{folder}/names"
+        self.folder, self.names = folder, f"{folder}/names"
         control = f"{folder}/machine"
         with open(control, "wb") as file:
             file.write(bytes(8 * (1 + 2 * len(DISK_FIELDS))))
         with open(control, "r+b") as file:
             self.control = mmap.mmap(file.fileno(), 0)
         self.fields, self.seen = [{}, {}], [set(), set()]
+        self.network = {}  # how the output's disk answers as one of a network, which is no fault
         self.mend()
         self.environment = {"LD_PRELOAD": f"{programs}/libmachine_shim.so", "LD_MACHINE_SHIM": control,
                             "LD_MACHINE_NAMES": self.names}
@@ -99,8 +101,14 @@ class Machine:
         self.fields[disk] = fields
         self.seen[disk] |= set(fields)
         for index, name in enumerate(DISK_FIELDS):
-            value = os.stat(self.disks[disk].place).st_dev if name == "device" else fields.get(name, 0)
+            value = os.stat(self.disks[disk].place).st_dev if name == "device" else (
+                fields.get(name) or (self.network.get(name, 0) if disk == OUTPUT else 0))
             self._put(1 + disk * len(DISK_FIELDS) + index, value)
+
+    def set_network(self, is_far):
+        """Whether what workers write is seen late, and answers to renames are lost."""
+        self.network = {"late_us": 50000, "one_lost_rename_in": 7} if is_far else {}
+        self.set_disk(OUTPUT, **self.fields[OUTPUT])
 
     def mend(self):
         """All is well again. The clock stays where it is, as clocks do."""
@@ -115,4 +123,6 @@ class Machine:
         if not os.path.exists(self.names):
             return []
         with open(self.names, encoding="utf-8") as file:
-            return [line.rstrip("\n").split(" ", 1) for line in file if line.endswith("\n")]
+            names = [line.rstrip("\n").split(" ", 1) for line in file if line.endswith("\n")]
+        # In a root that is taken away meanwhile a path begins at the root.
+        return [(inode, path if path.startswith(self.folder) else self.disks[OUTPUT].path + path) for inode, path in names]

@@ -1,4 +1,4 @@
-// A bad machine for LD_PRELOAD: disks that are slow, fail or tear a write in a crash, a clock that jumps.
+// A bad machine for LD_PRELOAD: disks that are slow, fail, tear a write or answer as a network does; a jumping clock.
 // SPDX-License-Identifier: Apache-2.0
 //
 // LD_MACHINE_SHIM names a file with one struct machine, which whoever breaks the machine may change at any time.
@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -25,7 +26,9 @@ struct disk {
     int64_t device; // st_dev
     int64_t delay_us;
     int64_t one_write_in, one_sync_in, one_rename_in; // fail: EIO
-    int64_t one_tear_in;                              // writes half of the bytes; the daemon dies, a worker gets EIO
+    int64_t late_us;            // the daemon does not see part files that are younger, as if another machine wrote them
+    int64_t one_lost_rename_in; // is done, and answers ENOENT, as a repeated call of a network file system
+    int64_t one_tear_in;        // writes half of the bytes; the daemon dies, a worker gets EIO
 };
 
 struct machine {
@@ -36,7 +39,7 @@ struct machine {
 static const struct machine *machine;
 static int names_fd = -1;
 static bool is_daemon;
-static int64_t writes, syncs, renames;
+static int64_t writes, syncs, renames, answers;
 
 __attribute__((constructor)) static void begin(void)
 {
@@ -159,7 +162,44 @@ int renameat(int from_fd, const char *from, int to_fd, const char *to)
     if (disk && is_hit(disk->one_rename_in, &renames)) return fail();
     status = (int)syscall(SYS_renameat2, from_fd, from, to_fd, to, 0);
     if (status == 0) note_name(to_fd, to);
-    return status;
+    if (status != 0 || !disk || !is_hit(disk->one_lost_rename_in, &answers)) return status;
+    errno = ENOENT;
+    return -1;
+}
+
+// Whether a part file is too young to be seen.
+static bool is_late(int folder_fd, const char *name)
+{
+    const struct disk *disk = is_daemon && name[0] != '/' ? disk_of(folder_fd) : NULL;
+    const char *end = strrchr(name, '.');
+    struct stat status;
+    struct timespec now;
+
+    if (!disk || disk->late_us == 0 || !end || strcmp(end, ".part") != 0) return false;
+    if (syscall(SYS_newfstatat, folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) != 0) return false;
+    syscall(SYS_clock_gettime, CLOCK_REALTIME, &now);
+    return (now.tv_sec - status.st_mtim.tv_sec) * 1000000 + (now.tv_nsec - status.st_mtim.tv_nsec) / 1000 <
+           disk->late_us;
+}
+
+int openat(int folder_fd, const char *name, int flags, ...)
+{
+    va_list arguments;
+    mode_t mode;
+
+    va_start(arguments, flags);
+    mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;
+    va_end(arguments);
+    if (!is_late(folder_fd, name)) return (int)syscall(SYS_openat, folder_fd, name, flags, mode);
+    errno = ENOENT;
+    return -1;
+}
+
+int fstatat(int folder_fd, const char *restrict name, struct stat *restrict status, int flags)
+{
+    if (!is_late(folder_fd, name)) return (int)syscall(SYS_newfstatat, folder_fd, name, status, flags);
+    errno = ENOENT;
+    return -1;
 }
 
 static void shift(int64_t *seconds, int64_t *nanoseconds)
