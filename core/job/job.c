@@ -6,6 +6,7 @@
 void job_finish(struct job *job)
 {
     free(job->name);
+    free(job->pool);
     job_notes_finish(&job->notes);
     frame_range_finish(&job->frames);
     scene_finish(&job->scene);

@@ -19,6 +19,7 @@ enum {
     JOB_PRIORITY_USER_MAX = 100, // higher ones are for administrators
     JOB_PRIORITY_MAX = 200,
     JOB_FRAME_LIMIT_MAX = 10 * 1000 * 1000, // s
+    JOB_POOL_LIMIT = 64,                    // bytes of a pool's name or tag
     JOB_RESOLUTION_LIMIT = 16384,           // pixels a side
     JOB_PIXEL_LIMIT = 64 * 1024 * 1024,     // pixels in all
     // Software GL ends a loop after 65535 iterations, so the shaders' loops are bounded a little below.
@@ -146,6 +147,7 @@ struct job {
     int priority;
     struct frame_order order;
     double frame_limit;        // s that the farm lets an attempt at a frame take; 0: its default
+    char *pool;                // owned; name or tag of the pools whose workers render it; NULL: of any
     char hash[HASH_TEXT_SIZE]; // of everything that the picture depends on; equal hashes mean equal pixels
 };
 

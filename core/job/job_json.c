@@ -174,9 +174,10 @@ static bool read_output(struct job_output *output, const struct json_node *docum
 
 static bool read_job(struct job *job, const struct json_node *document, const char *output_root, struct error *error)
 {
-    static const char *const keys[] = {"version",  "name",   "frames",      "fps",     "time_offset", "resolution",
-                                       "camera",   "lights", "background",  "scene",   "quality",     "output",
-                                       "priority", "order",  "frame_limit", "comment", "tags",        NULL};
+    static const char *const keys[] = {"version",    "name",    "frames",   "fps",        "time_offset",
+                                       "resolution", "camera",  "lights",   "background", "scene",
+                                       "quality",    "output",  "priority", "order",      "frame_limit",
+                                       "pool",       "comment", "tags",     NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
     struct scene_times times;
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/schedule_json.h"
 
+#include "core/base/alloc.h"
 #include "core/job/job.h"
 #include "core/json/json_read.h"
+
+#include <ctype.h>
+#include <string.h>
 
 static bool read_stage(const struct json_node *node, int32_t *stage, struct error *error)
 {
@@ -34,6 +38,27 @@ static bool read_order(struct frame_order *order, const struct json_node *docume
     return true;
 }
 
+bool schedule_is_pool_name(const char *text)
+{
+    if (!isalnum((unsigned char)*text) || strlen(text) > JOB_POOL_LIMIT) return false;
+    for (; *text; text++)
+        if (!isalnum((unsigned char)*text) && !strchr("-._@:", *text)) return false;
+    return true;
+}
+
+static bool read_pool(struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node node = json_node_child(document, "pool");
+    const char *text;
+
+    if (json_node_is_absent(&node)) return true;
+    if (!json_read_string(&node, &text, error)) return false;
+    if (!schedule_is_pool_name(text))
+        return json_fail_expected(&node, error, "a pool's name or tag: 1 to 64 letters, digits and -._@:");
+    job->pool = xstrdup(text);
+    return true;
+}
+
 bool schedule_from_json(struct job *job, const struct json_node *document, struct error *error)
 {
     struct json_node priority = json_node_child(document, "priority");
@@ -45,5 +70,5 @@ bool schedule_from_json(struct job *job, const struct json_node *document, struc
     if (!json_node_is_absent(&limit) && !json_read_number(&limit, 1, JOB_FRAME_LIMIT_MAX, &job->frame_limit, error))
         return false;
     job->priority = (int)rank;
-    return read_order(&job->order, document, error);
+    return read_pool(job, document, error) && read_order(&job->order, document, error);
 }

@@ -174,12 +174,16 @@ static void order_and_limit_of_frames_are_read(void **state)
         {"\"order\":[2,\"end\"]", "order[1]: expected one of"},
         {"\"order\":[2,2,2,2,2,2,2,2,2]", "order: expected"},
         {"\"order\":\"first\"", "order: expected"},
-        {"\"frame_limit\":0", "frame_limit: expected"}};
+        {"\"frame_limit\":0", "frame_limit: expected"},
+        {"\"pool\":\"\"", "pool: expected a pool's name or tag"},
+        {"\"pool\":\"a b\"", "pool: expected a pool's name or tag"},
+        {"\"pool\":\"a,b\"", "pool: expected a pool's name or tag"}};
     struct job job =
         job_expect("{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[2,1],"
                    "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
                    "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
-                   "\"output\":{\"path\":\"#.exr\"},\"order\":[\"last\",4,\"middle\",\"first\"],\"frame_limit\":1.5}");
+                   "\"output\":{\"path\":\"#.exr\"},\"order\":[\"last\",4,\"middle\",\"first\"],\"frame_limit\":1.5,"
+                   "\"pool\":\"gpu-2\"}");
 
     assert_int_equal(job.order.count, 4);
     assert_int_equal(job.order.stages[0], FRAME_ORDER_LAST);
@@ -187,6 +191,7 @@ static void order_and_limit_of_frames_are_read(void **state)
     assert_int_equal(job.order.stages[2], FRAME_ORDER_MIDDLE);
     assert_int_equal(job.order.stages[3], FRAME_ORDER_FIRST);
     assert_true(job.frame_limit == 1.5);
+    assert_string_equal(job.pool, "gpu-2");
     job_finish(&job);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         char *text = xasprintf("%s%s}", opening, wrong[i][0]);
