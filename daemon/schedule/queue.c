@@ -153,6 +153,7 @@ struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_para
     *job = (struct queue_job){.id = params->id,
                               .turn = {.id = params->id,
                                        .priority = params->priority,
+                                       .barred = params->barred,
                                        .owner = turns_find_owner(queue->turns, params->owner_uid)},
                               .frames = *params->frames,
                               .priority = params->priority,
@@ -354,6 +355,13 @@ void queue_set_priority(struct queue *queue, struct queue_job *job, int priority
     unlink_job(queue, job);
     job->priority = job->turn.priority = priority;
     link_job(queue, job);
+    note_ready(job);
+}
+
+void queue_set_barred(struct queue *queue, struct queue_job *job, uint64_t barred)
+{
+    turns_set_ready(queue->turns, &job->turn, false);
+    job->turn.barred = barred;
     note_ready(job);
 }
 

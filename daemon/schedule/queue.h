@@ -64,6 +64,7 @@ struct queue_job_params {
     int64_t owner_uid;
     struct frame_range *frames; // moves into the queue and is left empty
     int priority;
+    uint64_t barred; // as in struct turns_job
     bool is_paused;
     const struct frame_order *order; // copied; NULL: as written
 };
@@ -81,7 +82,7 @@ enum job_state queue_job_state(const struct queue_job *job);
 bool queue_job_is_live(const struct queue_job *job); // queued, running or paused
 
 struct turns *queue_turns(struct queue *queue); // of its jobs
-// The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is any worker.
+// The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is a worker of kind 0.
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat);
 // Takes up to `max` frames of the job for `worker` (1..65535). They become FRAME_RUNNING and their attempt counts.
 // Returns their number, which is 0 for a job that is over or paused. It may also be 0, or less than there are, when the
@@ -107,6 +108,7 @@ bool queue_fail(struct queue *queue, const struct queue_ticket *ticket, bool fin
 bool queue_return(struct queue *queue, const struct queue_ticket *ticket);
 
 void queue_set_priority(struct queue *queue, struct queue_job *job, int priority);
+void queue_set_barred(struct queue *queue, struct queue_job *job, uint64_t barred); // as in struct turns_job
 void queue_pause(struct queue *queue, struct queue_job *job);
 void queue_resume(struct queue *queue, struct queue_job *job);
 // Whether queue_cancel would cancel a frame: not when all that are not over are being published.

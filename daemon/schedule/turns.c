@@ -11,9 +11,10 @@ enum { STAY_DEFAULT_MS = 5000, WAIT_DEFAULT_MS = 24 * 3600 * 1000, STARVING_STAY
 static const double HALF_LIFE_DEFAULT_S = 3600;
 static const int64_t NEVER_MS = INT64_MIN / 2;
 
-// The ready jobs of one owner and priority.
+// The ready jobs of one owner and priority that are barred from the same kinds of seats.
 struct turns_lane {
     int priority;
+    uint64_t barred;
     struct turns_owner *owner;           // borrowed
     struct turns_job *first, *last;      // by id
     int64_t served_ms;                   // when a frame of it was taken, or when it became ready
@@ -102,16 +103,24 @@ void turns_advance(struct turns *turns, int64_t now_ms)
         turns->owners[i]->used_s *= kept;
 }
 
-static struct turns_lane *find_lane(struct turns *turns, struct turns_owner *owner, int priority)
+static bool is_lane_of(const struct turns_lane *lane, const struct turns_job *job)
 {
-    struct turns_lane *lane = turns->lanes[priority];
+    return lane->owner == job->owner && lane->priority == job->priority && lane->barred == job->barred;
+}
 
-    while (lane && lane->owner != owner)
+static struct turns_lane *find_lane(struct turns *turns, const struct turns_job *job)
+{
+    struct turns_lane *lane = turns->lanes[job->priority];
+
+    while (lane && !is_lane_of(lane, job))
         lane = lane->next_of_priority;
     if (lane) return lane;
     lane = xcalloc(1, sizeof *lane);
-    *lane = (struct turns_lane){.priority = priority, .owner = owner, .next_of_priority = turns->lanes[priority]};
-    turns->lanes[priority] = lane;
+    *lane = (struct turns_lane){.priority = job->priority,
+                                .barred = job->barred,
+                                .owner = job->owner,
+                                .next_of_priority = turns->lanes[job->priority]};
+    turns->lanes[job->priority] = lane;
     return lane;
 }
 
@@ -198,7 +207,7 @@ void turns_set_ready(struct turns *turns, struct turns_job *job, bool is_ready)
     job->is_ready = is_ready;
     if (is_ready) {
         assert(job->priority >= 0 && job->priority < TURNS_PRIORITY_LIMIT);
-        if (!job->lane || job->lane->priority != job->priority) job->lane = find_lane(turns, job->owner, job->priority);
+        if (!job->lane || !is_lane_of(job->lane, job)) job->lane = find_lane(turns, job);
         if (!job->lane->first) add_lane(turns, job->lane);
         add_job(job->lane, job);
         return;
@@ -228,10 +237,15 @@ const struct turns_job *turns_first_of_lane(const struct turns_job *job)
     return job->lane->first;
 }
 
-// As many jobs are covered as there are workers, at most.
-static struct turns_job *find_job(const struct turns_lane *lane)
+bool turns_may_serve(const struct turns_seat *seat, const struct turns_job *job)
 {
-    struct turns_job *job = lane->first;
+    return !(job->barred >> seat->kind & 1);
+}
+
+// The lane's job for the seat; NULL: none. As many jobs are covered as there are workers, at most.
+static struct turns_job *find_job(const struct turns_lane *lane, const struct turns_seat *seat)
+{
+    struct turns_job *job = lane->barred >> seat->kind & 1 ? NULL : lane->first;
 
     while (job && job->is_covered)
         job = job->next;
@@ -279,11 +293,11 @@ static struct turns_job *choose_at(const struct turns *turns, const struct turns
     struct turns_job *best = NULL, *own = NULL;
 
     for (const struct turns_lane *lane = turns->ready[priority]; lane; lane = lane->next) {
-        struct turns_job *job = find_job(lane);
+        struct turns_job *job = find_job(lane, seat);
 
         if (!job) continue;
         if (lane == seat->promised) return job;
-        if (lane->owner == seat->owner) own = job;
+        if (lane->owner == seat->owner && (!own || job->id < own->id)) own = job;
         if (!best || comes_before(turns, seat, job, best)) best = job;
     }
     return own && !may_leave(turns, seat, best->owner) ? own : best;
@@ -293,10 +307,10 @@ struct turns_job *turns_choose(const struct turns *turns, const struct turns_sea
 {
     struct turns_job *job = NULL;
 
-    if (seat->is_overdue && seat->promised) job = find_job(seat->promised);
+    if (seat->is_overdue && seat->promised) job = find_job(seat->promised, seat);
     for (const struct turns_lane *lane = turns->oldest; lane && !job; lane = lane->later) {
         if (turns->now_ms - lane->served_ms < turns->rules.longest_wait_ms) break;
-        job = find_job(lane);
+        job = find_job(lane, seat);
     }
     for (int priority = turns->top; priority >= 0 && !job; priority--)
         job = choose_at(turns, seat, priority);
@@ -318,7 +332,8 @@ void turns_sit(struct turns *turns, struct turns_seat *seat, struct turns_job *j
         turns_stand(turns, seat);
         job->owner->workers++;
         job->owner->is_new = false;
-        *seat = (struct turns_seat){.owner = job->owner, .since_ms = turns->now_ms, .is_fresh = is_fresh};
+        *seat = (struct turns_seat){
+            .kind = seat->kind, .owner = job->owner, .since_ms = turns->now_ms, .is_fresh = is_fresh};
     }
     if (job->lane && job->lane->first) {
         bool was_overdue = seat->is_overdue && seat->promised == job->lane;
@@ -335,7 +350,7 @@ void turns_sit(struct turns *turns, struct turns_seat *seat, struct turns_job *j
 void turns_stand(struct turns *turns, struct turns_seat *seat)
 {
     if (seat->owner && --seat->owner->workers == 0) seat->owner->left_ms = turns->now_ms;
-    *seat = (struct turns_seat){0};
+    *seat = (struct turns_seat){.kind = seat->kind};
 }
 
 void turns_charge(struct turns_seat *seat, double seconds)

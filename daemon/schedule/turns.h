@@ -1,17 +1,24 @@
 // Whose turn it is: jobs with frames to take, by priority and owner, and which of them a worker serves next. Pure.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Seats are of kinds, the pools of their workers, and a job may be barred from some.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TURNS_PRIORITY_LIMIT = 201 }; // priorities are in [0, TURNS_PRIORITY_LIMIT); the highest is first
+enum {
+    TURNS_PRIORITY_LIMIT = 201, // priorities are in [0, TURNS_PRIORITY_LIMIT); the highest is first
+    TURNS_KIND_LIMIT = 64       // kinds of seats are in [0, TURNS_KIND_LIMIT)
+};
 
 // Members that are 0 take the default.
 struct turns_rules {
-    double half_life_s;      // after so long half of what an owner used is forgotten; default 3600
-    int64_t longest_wait_ms; // an owner's jobs of one priority get a worker after so long at the latest; default a day
+    double half_life_s; // after so long half of what an owner used is forgotten; default 3600
+    // The jobs of one owner and priority, of those that the same seats may serve, get a worker after so long at the
+    // latest; default a day.
+    int64_t longest_wait_ms;
 };
 
 // Whoever owns jobs: one per uid, until turns_finish.
@@ -23,7 +30,7 @@ struct turns_owner {
     int workers;       // seats that serve the owner
     int64_t left_ms;   // when the last of them was left
     int64_t ready_ms;  // when the owner got jobs with frames to take, after having none
-    int ready_lanes;   // priorities at which the owner has jobs with frames to take
+    int ready_lanes;   // of the owner's jobs with frames to take: how many differ in priority or barred kinds
     bool is_new;       // the owner had neither such jobs nor a worker before, and got no worker yet
 };
 
@@ -33,6 +40,7 @@ struct turns_lane;
 struct turns_job {
     int64_t id;
     int priority;
+    uint64_t barred;           // bits (1 << kind) of seats that may not serve it
     struct turns_owner *owner; // borrowed from the turns
     // For the module only.
     bool is_ready;
@@ -42,8 +50,9 @@ struct turns_job {
     struct turns_job *next_covered;    // on the turns' list of covered jobs
 };
 
-// Whom one worker serves. The zero value: nobody.
+// Whom one worker serves. The zero value: nobody, by a worker of kind 0.
 struct turns_seat {
+    int kind; // set by the caller, and never changed
     struct turns_owner *owner;
     int64_t since_ms;            // when it began to serve the owner
     bool is_fresh;               // the owner got it before the stay of another was over: they keep it for theirs
@@ -66,12 +75,14 @@ struct turns_owner *turns_owner_at(const struct turns *turns, size_t index); // 
 // Tells the time of a monotonic clock, which all of these functions use: several times a second, and before a choice.
 void turns_advance(struct turns *turns, int64_t now_ms);
 
-// Whether the job has frames to take. Its id, priority and owner stay the same while it has.
+// Whether the job has frames to take. Its id, priority, owner and barred kinds stay the same while it has.
 void turns_set_ready(struct turns *turns, struct turns_job *job, bool is_ready);
 
-const struct turns_job *turns_first_of_lane(const struct turns_job *job); // the owner's, of that priority; it is ready
+bool turns_may_serve(const struct turns_seat *seat, const struct turns_job *job); // the seat's kind is not barred
+// The owner's first of that priority and those barred kinds; the job is ready.
+const struct turns_job *turns_first_of_lane(const struct turns_job *job);
 
-// The job that the seat serves next; NULL: none. With a seat of nobody, the job that is first for any worker.
+// The job that the seat serves next; NULL: none. With a seat of nobody, the job that is first for any of its kind.
 // - Jobs of an owner and a priority that waited for the longest wait come first, once.
 // - Then the highest priority counts, then the owner who used the least for their weight; of an owner's jobs the first.
 // - A seat stays with its owner for the stay, while they have jobs of that priority; but an owner who is new and used

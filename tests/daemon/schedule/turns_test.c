@@ -61,6 +61,17 @@ static int64_t choose(struct fixture *fixture, const struct turns_seat *seat)
     return job ? job->id : 0;
 }
 
+// A job that only seats of the kind may serve.
+static struct turns_job *add_for(struct fixture *fixture, int64_t uid, int kind)
+{
+    struct turns_job *job = add(fixture, uid, 50);
+
+    turns_set_ready(fixture->turns, job, false);
+    job->barred = ~(UINT64_C(1) << kind);
+    turns_set_ready(fixture->turns, job, true);
+    return job;
+}
+
 // The seat's worker serves the owner for so long.
 static void work(struct fixture *fixture, struct turns_seat *seat, struct turns_job *job, int64_t ms)
 {
@@ -272,6 +283,60 @@ static void worker_that_changes_for_a_job_gets_it_unless_a_higher_priority_comes
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
 
+static void a_seat_serves_no_job_that_is_barred_from_its_kind(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat near = {0}, far = {.kind = 63};
+
+    add_for(fixture, ANNA, 63);
+    add_for(fixture, ANNA, 0);
+    add(fixture, ANNA, 50);
+    assert_int_equal(choose(fixture, &near), 2);
+    assert_int_equal(choose(fixture, &far), 1);
+    // Of several jobs that it may serve, the owner's first.
+    work(fixture, &far, &fixture->jobs[0], 10);
+    turns_set_ready(fixture->turns, &fixture->jobs[1], false);
+    assert_int_equal(choose(fixture, &near), 3);
+    assert_int_equal(choose(fixture, &far), 1);
+    turns_set_ready(fixture->turns, &fixture->jobs[0], false);
+    assert_int_equal(choose(fixture, &far), 3);
+    // The kind is that of its worker, whomever it serves.
+    turns_sit(fixture->turns, &far, &fixture->jobs[2], false);
+    turns_stand(fixture->turns, &far);
+    turns_set_ready(fixture->turns, &fixture->jobs[0], true);
+    turns_set_ready(fixture->turns, &fixture->jobs[2], false);
+    assert_int_equal(choose(fixture, &far), 1);
+    assert_int_equal(choose(fixture, &near), 0);
+}
+
+static void who_waits_for_another_kind_comes_before_nobody(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat near = {0};
+
+    turns_set_rules(fixture->turns, &(struct turns_rules){.longest_wait_ms = HOUR_MS});
+    add_for(fixture, ANNA, 1);
+    add(fixture, BEN, 0);
+    pass(fixture, 2 * HOUR_MS); // Anna starves, and her job waited for too long
+    assert_int_equal(choose(fixture, &near), 2);
+    assert_int_equal(choose(fixture, &(struct turns_seat){.kind = 1}), 1);
+}
+
+// Anna used a pool for herself; of the seats that both may have, Ben gets the next.
+static void use_counts_wherever_it_was(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat near = {0}, far = {.kind = 1};
+
+    work(fixture, &far, add_for(fixture, ANNA, 1), 60 * 1000);
+    add(fixture, ANNA, 50);
+    add(fixture, BEN, 50);
+    assert_int_equal(choose(fixture, &near), 3);
+    assert_int_equal(choose(fixture, &far), 3);
+    owner(fixture, BEN)->used_s = 100;
+    assert_int_equal(choose(fixture, &near), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -286,6 +351,9 @@ int main(void)
         TEST(what_waited_longest_comes_once_whatever_its_priority),
         TEST(covered_jobs_leave_the_turn_to_the_next),
         TEST(worker_that_changes_for_a_job_gets_it_unless_a_higher_priority_comes),
+        TEST(a_seat_serves_no_job_that_is_barred_from_its_kind),
+        TEST(who_waits_for_another_kind_comes_before_nobody),
+        TEST(use_counts_wherever_it_was),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
