@@ -65,6 +65,7 @@ static void print_job(const struct job_report *job)
     print_text("output", job->output);
     print_text("owner", job->owner);
     printf("%-10s %" PRId64 "\n", "priority", job->priority);
+    print_text("pool", job->pool);
     print_time("submitted", job->submitted);
     print_time("started", job->started);
     print_time("finished", job->finished);

@@ -30,6 +30,10 @@ static char *load_document(const struct options *options, struct error *error)
         free(document);
         return NULL;
     }
+    if (document && options->pool && !json_set_text(&document, "pool", options->pool, error)) {
+        free(document);
+        return NULL;
+    }
     if (document && options->range && !json_set_text(&document, "frames", options->range, error)) {
         free(document);
         return NULL;

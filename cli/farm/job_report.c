@@ -68,6 +68,7 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->reason = read_text(node, "reason");
     report->phase = read_text(node, "phase");
     report->comment = read_text(node, "comment");
+    report->pool = read_text(node, "pool");
     report->tags = read_tags(node);
     report->label = xasprintf("#%lld %s", (long long)report->id, report->name ? report->name : "");
     report->priority = read_count(node, "priority");
@@ -99,6 +100,7 @@ void job_report_finish(struct job_report *report)
     free(report->reason);
     free(report->phase);
     free(report->comment);
+    free(report->pool);
     free(report->tags);
     free(report->label);
     memset(report, 0, sizeof *report);

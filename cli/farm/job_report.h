@@ -16,7 +16,7 @@ struct job_report {
     int64_t id, priority;
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
     int64_t missed; // of those that succeeded or were skipped: published over the tolerance
-    char *name, *state, *owner, *range, *output, *reason, *phase, *comment;
+    char *name, *state, *owner, *range, *output, *reason, *phase, *comment, *pool;
     char *tags;  // "a, b"
     char *label; // "#7 cloud"
     bool is_draft;

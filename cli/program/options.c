@@ -36,6 +36,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_PAUSED] = {"paused", KIND_FLAG, FIELD(paused), NULL, 0, 0, "queue the job paused"},
     [OPTION_PRIORITY] = {"priority", KIND_INTEGER, FIELD(priority), "N", 0, 200,
                          "0 to 100, and to 200 for administrators; higher goes first"},
+    [OPTION_POOL] = {"pool", KIND_TEXT, FIELD(pool), "NAME", 0, 0,
+                     "only the workers of this pool, or of those with this tag, render the job"},
     [OPTION_SET] = {"set", KIND_LIST, FIELD(sets), "PATH=VALUE", 0, 0,
                     "change the job, as in camera.position=[0,0,-3]"},
     [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only jobs or frames in these states"},

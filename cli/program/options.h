@@ -18,6 +18,7 @@ enum option {
     OPTION_DRY_RUN,
     OPTION_PAUSED,
     OPTION_PRIORITY,
+    OPTION_POOL,
     OPTION_SET,
     OPTION_STATE,
     OPTION_RANGE,
@@ -59,7 +60,7 @@ enum option {
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
-        *plan_of, *preview, *owner;
+        *plan_of, *preview, *owner, *pool;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE

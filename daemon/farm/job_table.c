@@ -17,6 +17,7 @@ static void record_destroy(struct job_record *record)
     free(record->reason);
     free(record->intents);
     free(record->code);
+    free(record->pool);
     output_path_finish(&record->path);
     job_paths_finish(&record->inputs);
     free(record);

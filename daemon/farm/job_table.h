@@ -31,6 +31,7 @@ struct job_record {
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     struct job_paths inputs;                       // owned; the files that it reads
+    char *pool;                                    // owned; name or tag of its pools; NULL: any
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
     bool is_draft;                                 // its quality is draft
     bool has_old_parts;                            // it is from before this start: part files may be left of it

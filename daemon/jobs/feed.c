@@ -157,15 +157,25 @@ static struct queue_job *choose(struct farm *farm, int index, enum worker_fit *f
     return next;
 }
 
+// Of the ready workers, those that may render the job.
+static int count_workers(const int ready[static TURNS_KIND_LIMIT], const struct queue_job *job)
+{
+    int count = 0;
+
+    for (int kind = 0; kind < TURNS_KIND_LIMIT; kind++)
+        if (turns_may_serve(&(struct turns_seat){.kind = kind}, &job->turn)) count += ready[kind];
+    return count;
+}
+
 static size_t count_to_assign(struct farm *farm, const struct worker_process *worker, const struct queue_job *next,
-                              int workers)
+                              const int ready[static TURNS_KIND_LIMIT])
 {
     struct job_record *record = job_table_find(&farm->jobs, next->id);
     struct dispatch_load load = {.frame_s = estimate_median_s(&record->estimate),
                                  .skip_run = record->estimate.skip_run,
                                  .skip_s = (double)record->estimate.skip_s,
                                  .left = next->states.counts[FRAME_QUEUED],
-                                 .workers = workers};
+                                 .workers = count_workers(ready, next)};
     size_t count;
 
     add_load(farm, &worker->in_flight, next->id, &load);
@@ -174,7 +184,7 @@ static size_t count_to_assign(struct farm *farm, const struct worker_process *wo
 }
 
 // False when the worker has enough frames, or none can be assigned. `*is_searching`: the next is still searched for.
-static bool feed_worker(struct farm *farm, int index, int workers, bool *is_searching)
+static bool feed_worker(struct farm *farm, int index, const int ready[static TURNS_KIND_LIMIT], bool *is_searching)
 {
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
     struct turns_seat *seat = worker_pool_seat(farm->pool, index);
@@ -188,7 +198,7 @@ static bool feed_worker(struct farm *farm, int index, int workers, bool *is_sear
     next = choose(farm, index, &fit);
     if (!next && worker->in_flight.count == 0) turns_stand(queue_turns(farm->queue), seat);
     if (!next || fit == WORKER_CHANGES) return false;
-    if (fit == WORKER_FITS) count = count_to_assign(farm, worker, next, workers);
+    if (fit == WORKER_FITS) count = count_to_assign(farm, worker, next, ready);
     if (count == 0) {
         recall_for(farm, worker, seat, next);
         return false;
@@ -205,13 +215,14 @@ static bool feed_worker(struct farm *farm, int index, int workers, bool *is_sear
 
 bool feed_workers(struct farm *farm)
 {
-    int workers = worker_pool_ready_count(farm->pool);
+    int ready[TURNS_KIND_LIMIT];
     bool is_searching = false;
 
     if (committer_trouble(farm->committer) || farm->drain.user) return true;
+    worker_pool_count_ready(farm->pool, ready);
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
     for (int i = 0; i < worker_pool_slot_count(farm->pool) && !is_searching; i++) {
-        while (feed_worker(farm, i, workers, &is_searching)) {
+        while (feed_worker(farm, i, ready, &is_searching)) {
         }
         turns_uncover(queue_turns(farm->queue)); // what another worker is to take must be there for that one
     }

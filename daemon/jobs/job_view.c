@@ -2,8 +2,10 @@
 #include "daemon/jobs/job_view.h"
 
 #include "core/base/alloc.h"
+#include "core/base/error.h"
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
+#include "daemon/farm/pool_access.h"
 #include "daemon/schedule/eta.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -63,6 +65,28 @@ static char *format_turn(const struct farm *farm, const struct job_record *recor
     return xasprintf("waits behind job %lld of %s, whose turn it is", (long long)next->id, other->owner);
 }
 
+// The job that is next for a ready worker of those that may render this one; NULL: none.
+static const struct queue_job *find_next(const struct farm *farm, const struct queue_job *job)
+{
+    struct turns_seat seat = {0};
+    int ready[TURNS_KIND_LIMIT];
+
+    worker_pool_count_ready(farm->pool, ready);
+    while (seat.kind < TURNS_KIND_LIMIT - 1 && (ready[seat.kind] == 0 || !turns_may_serve(&seat, &job->turn)))
+        seat.kind++;
+    return queue_choose_job(farm->queue, &seat);
+}
+
+// Why no pool's workers may render it; NULL: some may. Owned by the caller.
+static char *format_lack(const struct farm *farm, const struct job_record *record)
+{
+    struct error error = {0};
+
+    if (!record->pool && record->queued->turn.barred == 0) return NULL;
+    if (pool_access_check(farm, record->user, record->pool, &error)) return NULL;
+    return xasprintf("waits: %s", error.message);
+}
+
 static char *reason_to_wait(const struct farm *farm, const struct job_record *record)
 {
     const char *store_trouble = committer_trouble(farm->committer);
@@ -74,10 +98,13 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     if (farm->drain.user) return farm_format_drain(farm);
     if (record->queued->states.counts[FRAME_RUNNING] > 0) return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
-    trouble = worker_pool_format_trouble(farm->pool);
+    trouble = format_lack(farm, record);
+    if (!trouble) trouble = worker_pool_format_trouble(farm->pool, record);
     if (trouble) return trouble;
-    next = queue_choose_job(farm->queue, NULL);
-    return next && next != record->queued ? format_turn(farm, record, next) : xstrdup("waits for a free worker");
+    next = find_next(farm, record->queued);
+    if (next && next != record->queued) return format_turn(farm, record, next);
+    return record->pool ? xasprintf("waits for a free worker of pool %s", record->pool)
+                        : xstrdup("waits for a free worker");
 }
 
 // Why the job waits, is paused or failed, or what is wrong with its files; NULL: no reason. Owned by the caller.
@@ -113,11 +140,16 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
     json_write_integer_member(writer, "missed", queued->states.missed_count);
 }
 
-static int count_workers(const struct farm *farm)
+static int count_workers(const struct farm *farm, const struct queue_job *job)
 {
-    int workers = worker_pool_usable_count(farm->pool);
+    int workers = worker_pool_usable_count(farm->pool, job->turn.barred);
 
     return workers > 0 ? workers : 1;
+}
+
+static bool share_workers(const struct farm *farm, const struct queue_job *a, const struct queue_job *b)
+{
+    return (pool_access_all(farm) & ~a->turn.barred & ~b->turn.barred) != 0;
 }
 
 static double find_own_eta_s(const struct farm *farm, struct job_record *record)
@@ -125,7 +157,7 @@ static double find_own_eta_s(const struct farm *farm, struct job_record *record)
     const struct queue_job *queued = record->queued;
     int64_t left = queued->states.counts[FRAME_QUEUED] + queued->states.counts[FRAME_RUNNING];
 
-    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, count_workers(farm));
+    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, count_workers(farm, queued));
 }
 
 static struct eta_rival *find_rival(struct eta_rival **rivals, size_t *count, size_t *capacity,
@@ -138,14 +170,14 @@ static struct eta_rival *find_rival(struct eta_rival **rivals, size_t *count, si
     return &(*rivals)[(*count)++];
 }
 
-// With the jobs in front of it, whose frames all workers take first, and those of other owners beside it. Negative:
+// With the jobs in front of it, whose frames its workers take first, and those of other owners beside it. Negative:
 // unknown.
 static double find_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued, *job = NULL;
     struct eta_params params = {.own_s = find_own_eta_s(farm, record),
                                 .owner = queued->turn.owner,
-                                .workers = count_workers(farm),
+                                .workers = count_workers(farm, queued),
                                 .half_life_s = (double)farm->options->half_life_ms / 1000};
     struct eta_rival *rivals = NULL;
     size_t capacity = 0;
@@ -158,6 +190,7 @@ static double find_eta_s(const struct farm *farm, struct job_record *record)
         double other_s;
 
         if (job == queued || !job->turn.is_ready || (is_own && !is_front && job->id > queued->id)) continue;
+        if (!share_workers(farm, job, queued)) continue;
         other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
         if (is_front)
             params.front_s += other_s;
@@ -210,6 +243,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     write_counts(queued, writer);
     json_write_string_member(writer, "range", range);
     write_pattern(record, writer);
+    json_write_string_member(writer, "pool", record->pool);
     write_pace(farm, record, writer);
     job_view_write_phase(frame ? frame->phase : FRAME_PHASE_NONE, frame ? frame->phase_progress : -1.0, writer);
     json_write_string_member(writer, "reason", reason);

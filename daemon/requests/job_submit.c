@@ -14,6 +14,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
@@ -41,7 +42,7 @@ struct job_submit {
     struct output_path path;   // owned
     struct job_paths paths;    // owned; the files that it reads
     struct job_inputs inputs;  // owned; the same, below their roots
-    char *code;                // owned; as in struct job_record
+    char *code, *pool;         // owned; as in struct job_record
     struct job_notes notes;    // owned, until the record has them
     bool is_draft;
     int64_t frame_pixels;
@@ -79,6 +80,7 @@ static void submit_destroy(struct job_submit *submit)
     job_inputs_finish(&submit->inputs);
     job_notes_finish(&submit->notes);
     free(submit->code);
+    free(submit->pool);
     free(submit->existing);
     free(submit);
 }
@@ -180,14 +182,19 @@ static struct quota_amounts job_amounts(const struct job *job)
     return (struct quota_amounts){.jobs = 1, .frames = frames, .pixels = frames * job->width_px * job->height_px};
 }
 
-// Jobs that are being submitted count as well.
+// The job has workers, and stays within the limits. Jobs that are being submitted count as well.
 static bool check_limits(struct request *request, const struct job *job)
 {
     struct farm *farm = request->farm;
-    const struct quota_user *user = limits_find_user(farm, &request->client->peer, request->client->user);
+    struct quota_user *user = limits_find_user(farm, &request->client->peer, request->client->user);
     const struct quota_amounts amounts = job_amounts(job);
 
     request->code = MESSAGE_CODE_NOT_ALLOWED;
+    pool_access_note_user(farm, user, &request->client->peer);
+    if (!pool_access_check(farm, user, job->pool, &request->error)) {
+        error_prefix(&request->error, "pool");
+        return false;
+    }
     return limits_check_submit(farm, user, &amounts, &request->error);
 }
 
@@ -220,6 +227,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
+    submit->pool = job->pool;
+    job->pool = NULL;
     submit->frames = job->frames;
     submit->path = job->output.path;
     submit->notes = job->notes;
@@ -408,6 +417,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
 {
     struct farm *farm = submit->farm;
     struct store_job *row = &submit->row;
+    uint64_t barred = pool_access_find_barred(farm, submit->user, submit->pool);
     struct job_record *record;
 
     output_claims_remove(farm, &submit->claim); // its files move into the record
@@ -420,6 +430,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->inputs = submit->paths;
     submit->paths = (struct job_paths){0};
     record->code = submit->code;
+    record->pool = submit->pool;
     record->is_draft = submit->is_draft;
     record->frame_pixels = submit->frame_pixels;
     memcpy(record->hash, submit->hash, sizeof record->hash);
@@ -428,6 +439,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
                                                                            .owner_uid = row->owner_uid,
                                                                            .frames = &submit->frames,
                                                                            .priority = row->priority,
+                                                                           .barred = barred,
                                                                            .is_paused = row->is_paused,
                                                                            .order = &submit->order});
     record->frame_limit_ms = submit->frame_limit_ms;
@@ -438,7 +450,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     row->name = row->owner = row->root = NULL;
     record->notes = submit->notes;
     submit->notes = (struct job_notes){0};
-    submit->code = NULL;
+    submit->code = submit->pool = NULL;
     return record;
 }
 

@@ -7,6 +7,7 @@
 #include "daemon/clients/listener.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
@@ -351,11 +352,14 @@ static void apply_options(struct daemon *daemon, struct options *fresh, struct r
     log_set_level(daemon->options->log_level);
     if (was_quiet) log_changes(changes);
     limits_refresh(&daemon->farm);
+    pool_access_refresh(&daemon->farm);
     shares_refresh(&daemon->farm);
     root_settings_take(&daemon->farm, &daemon->options->output_roots, on_root_op, &daemon->farm);
     root_settings_tell_inputs(&daemon->options->input_roots);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
+    events_note_reasons(daemon->farm.events);
+    farm_want_feed(&daemon->farm);
 }
 
 // Settings that cannot be read or applied change nothing.

@@ -42,7 +42,7 @@ static char *find_trouble(const struct manager *manager)
 {
     const struct farm *farm = manager->farm;
     const char *store_trouble = committer_trouble(farm->committer), *root_trouble;
-    char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(farm->pool);
+    char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(farm->pool, NULL);
 
     if (store_trouble) {
         free(trouble);

@@ -10,6 +10,7 @@
 #include "core/job/output_root.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
@@ -91,6 +92,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     job.notes = (struct job_notes){0};
     record->reason = copy_text(row->reason);
     job_paths_list(&record->inputs, &job);
+    record->pool = copy_text(job.pool);
     record->code = copy_text(scene_find_code(&job.scene));
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
@@ -225,6 +227,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
         ok = opening_commit(store, farm->options->state_folder, state.ops, state.op_count, error);
     restore_ends(farm);
     limits_refresh(farm);
+    pool_access_refresh(farm);
     shares_refresh(farm);
     for (size_t i = 0; i < state.op_count; i++)
         store_op_finish(&state.ops[i]);

@@ -3,13 +3,14 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/job/schedule_json.h"
 #include "daemon/settings/options_value.h"
 
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_LENGTH = 64, NODE_NAME_LENGTH = 255 };
+enum { NODE_NAME_LENGTH = 255 };
 
 // Words of a text, owned; ends in NULL.
 struct words {
@@ -57,10 +58,10 @@ static bool split(struct words *words, const char *text, struct error *error)
     return !quote;
 }
 
-// Names stand in messages and in command lines: they look like no option and hold nothing that a shell reads.
-static bool is_name(const char *text, size_t limit)
+// It stands in messages and in command lines: it looks like no option and holds nothing that a shell reads.
+static bool is_node_name(const char *text)
 {
-    if (!isalnum((unsigned char)*text) || strlen(text) > limit) return false;
+    if (!isalnum((unsigned char)*text) || strlen(text) > NODE_NAME_LENGTH) return false;
     for (; *text; text++)
         if (!isalnum((unsigned char)*text) && !strchr("-._@:[]", *text)) return false;
     return true;
@@ -72,7 +73,7 @@ static bool read_node(struct pool_node *node, char *text, struct error *error)
 
     *node = (struct pool_node){0};
     if (equals) *equals = '\0';
-    if (!is_name(text, NODE_NAME_LENGTH)) {
+    if (!is_node_name(text)) {
         error_set(error, "nodes: expected a machine's name, got \"%s\"", text);
         return false;
     }
@@ -167,9 +168,11 @@ static bool read_setting(struct reading *reading, const char *key, const char *v
     if (strcmp(key, "worker-memory") == 0) return options_value_memory(key, value, &pool->memory_bytes, error);
     if (strcmp(key, "heartbeat") == 0) return options_value_seconds(key, value, 1, &pool->heartbeat_ms, error);
     if (strcmp(key, "landlock") == 0) return read_landlock(pool, value, error);
+    if (strcmp(key, "tags") == 0) return pool_terms_read_tags(&pool->terms, value, error);
+    if (strcmp(key, "users") == 0) return pool_terms_read_users(&pool->terms, value, error);
     error_set(error,
               "%s: expected launcher, nodes, workers, program, command, ssh-config, backend, threads, worker-memory, "
-              "heartbeat or landlock",
+              "heartbeat, landlock, tags or users",
               key);
     return false;
 }
@@ -257,6 +260,24 @@ static bool read_words(struct reading *reading, char **words, struct error *erro
     return put_together(reading, error);
 }
 
+static bool is_term(const char *word)
+{
+    return strncmp(word, "tags=", 5) == 0 || strncmp(word, "users=", 6) == 0;
+}
+
+static char *format_text(char **words)
+{
+    char *text = xstrdup("");
+
+    for (size_t i = 0; words && words[i]; i++) {
+        char *longer = is_term(words[i]) ? xstrdup(text) : xasprintf("%s\n%s", text, words[i]);
+
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
 bool pool_options_read(struct pool_options *pool, const char *text, struct error *error)
 {
     struct reading reading = {.pool = pool, .worker_count = 1};
@@ -264,12 +285,12 @@ bool pool_options_read(struct pool_options *pool, const char *text, struct error
     bool ok = split(&words, text, error);
 
     *pool = (struct pool_options){.launcher = POOL_COMMAND, .heartbeat_ms = 30000, .wants_landlock = true};
-    if (ok && (words.count == 0 || !is_name(words.words[0], NAME_LENGTH) || strcmp(words.words[0], "local") == 0)) {
-        error_set(error, "expected the pool's name (not \"local\") and KEY=VALUE ...");
+    if (ok && (words.count == 0 || !schedule_is_pool_name(words.words[0]))) {
+        error_set(error, "expected the pool's name and KEY=VALUE ...");
         ok = false;
     } else if (ok) {
         pool->name = xstrdup(words.words[0]);
-        pool->text = xstrdup(text);
+        pool->text = format_text(words.words);
         ok = read_words(&reading, words.words, error);
         if (!ok) error_prefix(error, "%s", pool->name);
     }
@@ -290,6 +311,7 @@ void pool_options_finish(struct pool_options *pool)
     free(pool->name);
     free(pool->backend);
     free(pool->text);
+    pool_terms_finish(&pool->terms);
     pool_options_free_command(pool->command);
     *pool = (struct pool_options){0};
 }
@@ -320,10 +342,49 @@ char **pool_options_format_command(const struct pool_options *pool, const char *
     return command.words;
 }
 
+static bool read_local_terms(struct pool_terms *terms, char **words, struct error *error)
+{
+    bool ok = true;
+
+    for (size_t i = 1; words[i]; i++) {
+        if (strncmp(words[i], "tags=", 5) == 0)
+            ok = pool_terms_read_tags(terms, words[i] + 5, error);
+        else if (strncmp(words[i], "users=", 6) == 0)
+            ok = pool_terms_read_users(terms, words[i] + 6, error);
+        else
+            error_set(error, "expected tags=... or users=..., got \"%s\"", words[i]);
+        if (!ok || !is_term(words[i])) return false;
+    }
+    return true;
+}
+
+// `*is_local`: the setting is about the pool "local".
+static bool read_local(struct pool_table *table, const char *text, bool *is_local, struct error *error)
+{
+    struct words words = {0};
+    bool ok = true;
+
+    *is_local = split(&words, text, NULL) && words.count > 0 && strcmp(words.words[0], POOL_LOCAL) == 0;
+    if (*is_local) {
+        pool_terms_finish(&table->local);
+        ok = read_local_terms(&table->local, words.words, error);
+        if (!ok) error_prefix(error, "--pool: " POOL_LOCAL);
+    }
+    pool_options_free_command(words.words);
+    return ok;
+}
+
 bool pool_table_add(struct pool_table *table, const char *text, struct error *error)
 {
     struct pool_options pool;
+    bool is_local;
 
+    if (!read_local(table, text, &is_local, error)) return false;
+    if (is_local) return true;
+    if (table->count == POOL_LIMIT) {
+        error_set(error, "--pool: expected at most %d pools", POOL_LIMIT);
+        return false;
+    }
     if (!pool_options_read(&pool, text, error)) return false;
     for (size_t i = 0; i < table->count; i++) {
         if (strcmp(table->pools[i].name, pool.name) != 0) continue;
@@ -341,6 +402,7 @@ void pool_table_finish(struct pool_table *table)
     for (size_t i = 0; i < table->count; i++)
         pool_options_finish(&table->pools[i]);
     free(table->pools);
+    pool_terms_finish(&table->local);
     *table = (struct pool_table){0};
 }
 
@@ -350,4 +412,24 @@ bool pool_table_is_same(const struct pool_table *a, const struct pool_table *b)
     for (size_t i = 0; i < a->count; i++)
         if (strcmp(a->pools[i].text, b->pools[i].text) != 0) return false;
     return true;
+}
+
+static bool swap_terms(struct pool_terms *a, struct pool_terms *b)
+{
+    struct pool_terms before = *a;
+
+    *a = *b;
+    *b = before;
+    return !pool_terms_are_same(a, b);
+}
+
+bool pool_table_swap_terms(struct pool_table *table, struct pool_table *other)
+{
+    bool differ = swap_terms(&table->local, &other->local);
+
+    for (size_t i = 0; i < table->count; i++)
+        for (size_t k = 0; k < other->count; k++)
+            if (strcmp(table->pools[i].name, other->pools[k].name) == 0)
+                differ |= swap_terms(&table->pools[i].terms, &other->pools[k].terms);
+    return differ;
 }

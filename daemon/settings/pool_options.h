@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "daemon/settings/pool_terms.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 struct error;
 
-enum { POOL_NODE_LIMIT = 4096, POOL_WORKER_LIMIT = 1024 }; // nodes of a pool, workers of a node
+// Nodes of a pool, workers of a node, pools of a farm.
+enum { POOL_NODE_LIMIT = 4096, POOL_WORKER_LIMIT = 1024, POOL_LIMIT = 63 };
+
+#define POOL_LOCAL "local" // the name of the pool of this machine's workers
 
 enum pool_launcher {
     POOL_COMMAND, // any program that starts another one on a machine
@@ -32,18 +37,23 @@ struct pool_options {
     int64_t memory_bytes; // of one worker; 0: its share of the node's, -1: any amount
     int64_t heartbeat_ms; // a node that is silent for so long is lost
     bool wants_landlock;  // a node without Landlock is refused
-    char *text;           // the setting
+    struct pool_terms terms;
+    char *text; // the setting, without its terms
 };
 
 // The zero value is empty.
 struct pool_table {
     struct pool_options *pools; // owned; names differ
-    size_t count, capacity;
+    size_t count, capacity;     // count: at most POOL_LIMIT
+    struct pool_terms local;    // of this machine's workers
 };
 
-bool pool_table_add(struct pool_table *table, const char *text, struct error *error); // reads the setting
+// Reads the setting. That of the pool "local" has terms alone.
+bool pool_table_add(struct pool_table *table, const char *text, struct error *error);
 void pool_table_finish(struct pool_table *table);
-bool pool_table_is_same(const struct pool_table *a, const struct pool_table *b); // as they were set
+bool pool_table_is_same(const struct pool_table *a, const struct pool_table *b); // but for the terms
+// Swaps the terms of pools of the same name, and of "local". True if some of them differ.
+bool pool_table_swap_terms(struct pool_table *table, struct pool_table *other);
 
 // Reads the setting. Values that hold blanks are put in double quotes.
 bool pool_options_read(struct pool_options *pool, const char *text, struct error *error);

@@ -21,6 +21,7 @@ struct quota_user {
     int64_t uid;
     char *name;               // owned; from the latest connection or job
     bool is_unlimited;        // whether they were an administrator at the latest check
+    uint64_t pools;           // those that they may use; for the caller
     struct quota_amounts has; // the sum of all shares
 };
 

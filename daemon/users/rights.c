@@ -53,25 +53,33 @@ bool rights_may_change(const struct rights *rights, const struct rights_peer *pe
     return rights_is_admin(rights, peer) || (rights_is_known(peer) && peer->uid == owner_uid);
 }
 
+gid_t *rights_find_groups(int64_t uid, const char *user, size_t *count)
+{
+    struct passwd entry, *found = NULL;
+    char text[4096];
+    int found_count = 64;
+    gid_t *groups;
+
+    *count = 0;
+    // A uid that belongs to another name today is not that user.
+    if (getpwnam_r(user, &entry, text, sizeof text, &found) != 0 || !found || (int64_t)found->pw_uid != uid)
+        return NULL;
+    groups = xcalloc((size_t)found_count, sizeof *groups);
+    if (getgrouplist(user, found->pw_gid, groups, &found_count) < 0) {
+        groups = xrealloc(groups, (size_t)found_count * sizeof *groups);
+        if (getgrouplist(user, found->pw_gid, groups, &found_count) < 0) found_count = 0;
+    }
+    *count = (size_t)found_count;
+    return groups;
+}
+
 bool rights_user_is_admin(const struct rights *rights, int64_t uid, const char *user)
 {
     struct rights_peer peer = {.uid = uid};
-    struct passwd entry, *found = NULL;
-    char text[4096];
-    int count = 64;
-    gid_t *groups = NULL;
+    gid_t *groups = rights_find_groups(uid, user, &peer.group_count);
     bool is_admin;
 
-    // A uid that belongs to another name today is not that user.
-    if (getpwnam_r(user, &entry, text, sizeof text, &found) == 0 && found && (int64_t)found->pw_uid == uid) {
-        groups = xcalloc((size_t)count, sizeof *groups);
-        if (getgrouplist(user, found->pw_gid, groups, &count) < 0) {
-            groups = xrealloc(groups, (size_t)count * sizeof *groups);
-            if (getgrouplist(user, found->pw_gid, groups, &count) < 0) count = 0;
-        }
-        peer.groups = groups;
-        peer.group_count = (size_t)count;
-    }
+    peer.groups = groups;
     is_admin = rights_is_admin(rights, &peer);
     free(groups);
     return is_admin;

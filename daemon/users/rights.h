@@ -31,5 +31,8 @@ bool rights_is_admin(const struct rights *rights, const struct rights_peer *peer
 bool rights_may_change(const struct rights *rights, const struct rights_peer *peer, int64_t owner_uid);
 // Whether the peer is a user who can own a job.
 bool rights_is_known(const struct rights_peer *peer);
+// The groups of a user without a connection, with the primary one; owned by the caller, NULL: there is no such user.
+// Reads the user database, which may block.
+gid_t *rights_find_groups(int64_t uid, const char *user, size_t *count);
 // As rights_is_admin, for a user without a connection. Reads the user database, which may block.
 bool rights_user_is_admin(const struct rights *rights, int64_t uid, const char *user);

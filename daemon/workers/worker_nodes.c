@@ -51,8 +51,10 @@ void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct wor
             struct node *node = node_create(farm->loop, &params, handlers, farm);
 
             nodes->nodes[nodes->count++] = node;
-            for (int worker = 0; worker < params.worker_count; worker++)
-                (slots++)->node = node;
+            for (int worker = 0; worker < params.worker_count; worker++, slots++) {
+                slots->node = node;
+                slots->seat.kind = (int)i + 1; // as in daemon/farm/pool_access.h
+            }
         }
     }
 }

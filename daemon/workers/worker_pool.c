@@ -11,6 +11,7 @@
 #include "daemon/settings/options.h"
 #include "daemon/workers/job_fence.h"
 #include "daemon/workers/worker_clock.h"
+#include "daemon/workers/worker_counts.h"
 #include "daemon/workers/worker_nodes.h"
 #include "daemon/workers/worker_slot.h"
 #include "daemon/workers/worker_turns.h"
@@ -387,37 +388,20 @@ enum worker_fit worker_pool_prepare(struct worker_pool *pool, int index, struct 
     return fit;
 }
 
-int worker_pool_ready_count(const struct worker_pool *pool)
+void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TURNS_KIND_LIMIT])
 {
-    int count = 0;
-
-    for (int i = 0; i < pool->slot_count; i++)
-        count += worker_pool_ready_at(pool, i) != NULL;
-    return count;
+    worker_counts_find_ready(pool->slots, pool->slot_count, ready);
 }
 
-int worker_pool_usable_count(const struct worker_pool *pool)
+int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred)
 {
-    int64_t now_ms = farm_now_ms(pool->farm);
-    int count = 0;
-
-    for (int i = 0; i < pool->slot_count; i++)
-        count += pool->slots[i].worker || (worker_nodes_are_ready(&pool->slots[i]) &&
-                                           retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0);
-    return count;
+    return worker_counts_find_usable(pool->slots, pool->slot_count, barred, farm_now_ms(pool->farm));
 }
 
-char *worker_pool_format_trouble(const struct worker_pool *pool)
+char *worker_pool_format_trouble(const struct worker_pool *pool, const struct job_record *record)
 {
-    const char *reason = NULL;
-
     if (pool->is_stopping) return xstrdup("the daemon is stopping");
-    for (int i = 0; i < pool->slot_count; i++) {
-        if (worker_pool_ready_at(pool, i)) return NULL;
-        if (!reason)
-            reason = worker_nodes_are_ready(&pool->slots[i]) ? pool->slots[i].reason : node_reason(pool->slots[i].node);
-    }
-    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("waits for a worker that is being started");
+    return worker_counts_format_trouble(pool->slots, pool->slot_count, record);
 }
 
 struct worker_process *worker_pool_find_holder(const struct worker_pool *pool, int64_t job, int32_t frame,

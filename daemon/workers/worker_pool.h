@@ -39,8 +39,10 @@ void worker_pool_close(struct worker_pool *pool);          // legal once it is e
 void worker_pool_destroy(struct worker_pool *pool);        // after the loop closed its handles; accepts NULL
 
 int worker_pool_slot_count(const struct worker_pool *pool);
-int worker_pool_ready_count(const struct worker_pool *pool);
-int worker_pool_usable_count(const struct worker_pool *pool); // slots that do not back off: ready, or soon
+// As the functions of worker_counts.h.
+void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TURNS_KIND_LIMIT]);
+int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred);
+char *worker_pool_format_trouble(const struct worker_pool *pool, const struct job_record *record);
 // The worker in slot `index` if it can be assigned frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
 // Whom the worker in slot `index` serves.
@@ -51,8 +53,6 @@ void worker_pool_charge(struct worker_pool *pool, int index); // its owner, for 
 enum worker_fit worker_pool_prepare(struct worker_pool *pool, int index, struct queue_job *job);
 // To be told of each job when it is queued: no worker of another owner stays idle where the job writes.
 void worker_pool_note_job(struct worker_pool *pool, const struct job_record *record);
-// Why no worker can be assigned frames; NULL when one can. Owned by the caller.
-char *worker_pool_format_trouble(const struct worker_pool *pool);
 
 // The frame in flight of that attempt, and the job's frame whose phase is the furthest; NULL: none. Valid until a frame
 // is assigned or ends.

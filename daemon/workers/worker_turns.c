@@ -71,7 +71,7 @@ static int64_t count_coming(struct worker_turns *turns, const struct job_record 
     for (int i = 0; i < turns->slot_count; i++) {
         const struct worker_process *worker = turns->slots[i].worker;
 
-        if (!worker) continue;
+        if (!worker || !turns_may_serve(&turns->slots[i].seat, &record->queued->turn)) continue;
         if (worker->state == WORKER_STOPPING || (busy && worker->in_flight.count > 0))
             count += worker->next_job == record->id;
         else

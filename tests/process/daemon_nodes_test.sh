@@ -46,6 +46,7 @@ refused "far nodes=a launcher=rsh" "expected command or ssh"
 refused "far nodes=a launcher=ssh program='x y'" "expected a path of letters"
 refused "far nodes=a launcher=command command='x \"y'" "expected another \""
 refused "far nodes=a launcher=ssh colour=red" "colour: expected launcher"
+refused "local nodes=a" "local: expected tags=... or users=..."
 
 start_nodes anna=2,ben write:20
 wait_until "all workers are idle" all_idle

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -83,7 +84,10 @@ static void faults_name_their_place(void **state)
         const char *text, *expected;
     } cases[] = {
         {"", "--pool: expected the pool's name"},
-        {"local nodes=a command=x", "--pool: expected the pool's name"},
+        {"a[b] nodes=a command=x", "--pool: expected the pool's name"},
+        {"p nodes=a command=x tags=a;b", "--pool: p: tags: expected letters, digits and -._@:, got \"a;b\""},
+        {"p nodes=a command=x users=", "--pool: p: users: expected NAME,NAME,..., got nothing"},
+        {"p nodes=a command=x users=anna,@", "--pool: p: users: expected names of users, and of groups after @"},
         {"p", "--pool: p: expected nodes="},
         {"p nodes=a", "--pool: p: expected command="},
         {"p nodes=a launcher=ssh command=x", "--pool: p: command: expected with launcher=command only"},
@@ -130,6 +134,61 @@ static void a_table_holds_pools_of_different_names(void **state)
     pool_table_finish(&other);
 }
 
+static void tags_and_users_are_the_terms_of_a_pool(void **state)
+{
+    const gid_t root_group = 0, other_group = 4711;
+    struct pool_options pool;
+    char *users;
+
+    assert_true(
+        pool_options_read(&pool, "p nodes=a command=x tags=gpu,big users=anna,1007,@root,@no-such-group", NULL));
+    assert_true(pool_terms_have_tag(&pool.terms, "gpu"));
+    assert_true(pool_terms_have_tag(&pool.terms, "big"));
+    assert_false(pool_terms_have_tag(&pool.terms, "p"));
+    assert_true(pool_terms_let(&pool.terms, 1001, "anna", NULL, 0));
+    assert_true(pool_terms_let(&pool.terms, 1007, "carl", NULL, 0));
+    assert_true(pool_terms_let(&pool.terms, 1001, "ben", &root_group, 1));
+    assert_false(pool_terms_let(&pool.terms, 1001, "ben", &other_group, 1));
+    assert_false(pool_terms_let(&pool.terms, 1001, "root", NULL, 0));
+    users = pool_terms_format_users(&pool.terms);
+    assert_string_equal(users, "anna, 1007, @root, @no-such-group");
+    free(users);
+    pool_options_finish(&pool);
+}
+
+static void terms_change_without_the_rest(void **state)
+{
+    struct pool_table table = {0}, other = {0};
+
+    assert_true(pool_table_add(&table, "p nodes=a tags=x command=x", NULL));
+    assert_true(pool_table_add(&other, "p nodes=a command=x users=anna", NULL));
+    assert_true(pool_table_add(&other, "local tags=cpu users=ben", NULL));
+    assert_true(pool_table_is_same(&table, &other));
+    assert_true(pool_table_swap_terms(&table, &other));
+    assert_false(pool_terms_have_tag(&table.pools[0].terms, "x"));
+    assert_false(pool_terms_let(&table.pools[0].terms, 1, "ben", NULL, 0));
+    assert_true(pool_terms_have_tag(&table.local, "cpu"));
+    assert_true(pool_terms_let(&other.local, 1, "anna", NULL, 0));
+    pool_table_finish(&other);
+    assert_true(pool_table_add(&other, "p nodes=a command=x users=anna", NULL));
+    assert_true(pool_table_add(&other, "local tags=cpu users=ben", NULL));
+    assert_false(pool_table_swap_terms(&table, &other));
+    pool_table_finish(&table);
+    pool_table_finish(&other);
+}
+
+static void the_pool_of_this_machine_has_terms_alone(void **state)
+{
+    struct pool_table table = {0};
+    struct error error = {0};
+
+    assert_false(pool_table_add(&table, "local nodes=a command=x", &error));
+    assert_string_equal(error.message, "--pool: local: expected tags=... or users=..., got \"nodes=a\"");
+    assert_false(pool_table_add(&table, "local tags=a;b", &error));
+    assert_string_equal(error.message, "--pool: local: tags: expected letters, digits and -._@:, got \"a;b\"");
+    pool_table_finish(&table);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -137,6 +196,9 @@ int main(void)
         cmocka_unit_test(a_pool_of_a_command),
         cmocka_unit_test(faults_name_their_place),
         cmocka_unit_test(a_table_holds_pools_of_different_names),
+        cmocka_unit_test(tags_and_users_are_the_terms_of_a_pool),
+        cmocka_unit_test(terms_change_without_the_rest),
+        cmocka_unit_test(the_pool_of_this_machine_has_terms_alone),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
