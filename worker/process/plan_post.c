@@ -34,16 +34,16 @@ static void begin_question(const struct plan_post *post, const char *key)
     pthread_mutex_unlock(&post->worker->lock);
 }
 
-// Waiting is progress: the program that is asked knows what it waits for.
+// Waiting is progress: the program that is asked knows what it waits for. Its clock is none that somebody sets back.
 static void wait_a_while(struct worker *worker)
 {
     struct timespec until;
 
-    clock_gettime(CLOCK_REALTIME, &until);
+    clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += TICK_MS * 1000000L;
     until.tv_sec += until.tv_nsec / 1000000000L;
     until.tv_nsec %= 1000000000L;
-    (void)pthread_cond_timedwait(&worker->changed, &worker->lock, &until);
+    (void)pthread_cond_clockwait(&worker->changed, &worker->lock, CLOCK_MONOTONIC, &until);
     worker_advance(worker);
 }
 
