@@ -108,13 +108,14 @@ static void lose(struct node *node, const char *reason)
 
 static void launch(struct node *node)
 {
-    char **command = pool_options_format_command(node->params.pool, node->params.name);
+    const struct node_launch_order order = {.socket = node->params.launch_socket,
+                                            .pool = node->params.pool,
+                                            .words = (const char *[]){"node", node->params.name, NULL}};
     struct node_launch_fds fds;
     struct error error = {0};
 
-    node->launch = node_launch_start(node->loop, command, on_text, node, &fds, &error);
+    node->launch = node_launch_start(node->loop, &order, on_text, node, &fds, &error);
     if (node->launch) node->pipe = node_pipe_open(node->loop, fds.in, fds.out, &pipe_handlers, node, &error);
-    pool_options_free_command(command);
     if (!node->pipe) {
         lose(node, error.message);
         return;

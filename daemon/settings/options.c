@@ -36,6 +36,7 @@ enum option_code {
     OPTION_USER_DISK,
     OPTION_USER_WEIGHT,
     OPTION_POOL,
+    OPTION_LAUNCH_SOCKET,
     OPTION_HALF_LIFE,
     OPTION_LONGEST_WAIT,
     OPTION_WORKER_MEMORY,
@@ -72,6 +73,7 @@ static const struct option long_options[] = {
     {"user-disk", required_argument, NULL, OPTION_USER_DISK},
     {"user-weight", required_argument, NULL, OPTION_USER_WEIGHT},
     {"pool", required_argument, NULL, OPTION_POOL},
+    {"launch-socket", required_argument, NULL, OPTION_LAUNCH_SOCKET},
     {"half-life", required_argument, NULL, OPTION_HALF_LIFE},
     {"longest-wait", required_argument, NULL, OPTION_LONGEST_WAIT},
     {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
@@ -184,6 +186,8 @@ static bool set_folder(struct setter *setter, int code, const char *text, struct
         return add_path(setter, &options->input_roots, &setter->has_input_roots, "input-root", text, error);
     case OPTION_WORKER_PROGRAM:
         return set_path(setter, &options->worker_program, "worker-program", text, error);
+    case OPTION_LAUNCH_SOCKET:
+        return set_path(setter, &options->launch_socket, "launch-socket", text, error);
     case OPTION_BACKUP:
         return set_path(setter, &options->backup_file, "backup", text, error);
     case OPTION_RESTORE:
@@ -470,6 +474,7 @@ void options_finish(struct options *options)
 {
     free(options->state_folder);
     free(options->socket_path);
+    free(options->launch_socket);
     path_list_finish(&options->output_roots);
     path_list_finish(&options->input_roots);
     free(options->worker_program);

@@ -51,6 +51,7 @@ struct options {
     int64_t worker_memory_bytes; // memory of one worker; 0: its share of what there is, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
     struct pool_table pools;     // of nodes
+    char *launch_socket;         // NULL, or march-launch's, which starts the pools' launchers for the daemon
     const char *version;         // borrowed; set by the program: what a node's must be, too
     enum log_level log_level;
     bool may_be_new;                // a new store may be made where a farm was before

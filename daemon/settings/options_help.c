@@ -20,6 +20,8 @@ const char options_help[] =
     "                          (system: /srv/marchd-input and /usr/share, else /)\n"
     "  --workers N|auto|none   number of worker processes on this machine (auto: one per core)\n"
     "  --pool SETTING          workers on other machines: NAME KEY=VALUE ..., as marchd(8) says; repeatable\n"
+    "  --launch-socket PATH    where march-launch starts the pools' launchers, for a daemon without a network (the\n"
+    "                          daemon starts them itself)\n"
     "  --threads N             threads of one worker (1)\n"
     "  --backend NAME          auto, egl, osmesa or software (auto)\n"
     "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"

@@ -70,6 +70,7 @@ static void note_waiting(const struct options *current, const struct options *fr
         {"backend", is_same_text(current->backend, fresh->backend)},
         {"worker-program", is_same_text(current->worker_program, fresh->worker_program)},
         {"shader-dir", is_same_text(current->shader_folder, fresh->shader_folder)},
+        {"launch-socket", is_same_text(current->launch_socket, fresh->launch_socket)},
         {"pool", pool_table_is_same(&current->pools, &fresh->pools)},
         {"sandbox", current->has_sandbox == fresh->has_sandbox},
     };

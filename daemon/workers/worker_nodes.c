@@ -47,6 +47,7 @@ void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct wor
             const struct node_params params = {.pool = pool,
                                                .name = pool->nodes[k].name,
                                                .version = options->version,
+                                               .launch_socket = options->launch_socket,
                                                .worker_count = pool->nodes[k].worker_count};
             struct node *node = node_create(farm->loop, &params, handlers, farm);
 

@@ -272,7 +272,8 @@ static size_t uncomment(char *text)
     for (char *line = text; line; line = strchr(line, '\n')) {
         line += *line == '\n';
         if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0 ||
-            strncmp(line, "#user-weight", 12) == 0 || strncmp(line, "#pool", 5) == 0)
+            strncmp(line, "#user-weight", 12) == 0 || strncmp(line, "#pool", 5) == 0 ||
+            strncmp(line, "#launch-socket", 14) == 0)
             continue;
         line[0] = ' ';
         count++;

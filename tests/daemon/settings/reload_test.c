@@ -78,13 +78,13 @@ static void a_setting_that_needs_a_restart_is_named_and_kept(void **state)
 {
     struct options held = OPTIONS("--workers=1", "--shader-dir=/s"),
                    fresh = OPTIONS("--workers=2", "--threads=3", "--state=/x", "--socket=/y", "--backend=egl",
-                                   "--worker-program=/w", "--sandbox=no");
+                                   "--worker-program=/w", "--launch-socket=/l", "--sandbox=no");
     struct reload_changes changes;
 
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.applied, "");
     assert_string_equal(changes.waiting,
-                        "state, socket, workers, threads, backend, worker-program, shader-dir, sandbox");
+                        "state, socket, workers, threads, backend, worker-program, shader-dir, launch-socket, sandbox");
     assert_int_equal(held.worker_count, 1);
     assert_int_equal(held.thread_count, 1);
     assert_true(held.has_sandbox);
