@@ -58,6 +58,7 @@ struct farm {
     struct job_delete *deletions;       // list: deletions that are not done
     struct job_submit *waiting_submits; // list: submissions that wait until canceled jobs have left their files
     struct job_retry *waiting_retries;  // list: retries that wait until their job is swept, or for another
+    struct late_sweep *late_sweeps;     // list: jobs that lost nodes may still write for
     int output_checks;                  // jobs whose output is being checked
     int64_t epoch;
     int64_t next_job_id;

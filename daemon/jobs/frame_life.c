@@ -10,6 +10,7 @@
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/late_sweep.h"
 #include "daemon/jobs/plan_life.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/output/publisher.h"
@@ -374,6 +375,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
         release_frame(farm, record, worker, &worker->in_flight.frames[0]);
         if (frame.is_started)
             sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
+        if (worker->is_node_lost) late_sweep_note(farm, record->id, worker->heartbeat_ms);
         if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
         job_life_note_change(farm, record);
     }

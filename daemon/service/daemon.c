@@ -15,6 +15,7 @@
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/job_retry.h"
+#include "daemon/jobs/late_sweep.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/memory_return.h"
@@ -237,6 +238,7 @@ void daemon_destroy(struct daemon *daemon)
     job_table_finish(&farm->jobs);
     root_table_finish(&farm->roots);
     plan_desk_finish(&farm->desk);
+    late_sweep_finish(farm);
     free(farm->drain.user);
     quota_finish(&farm->quota);
     store_reader_close(farm->reader);
@@ -430,6 +432,7 @@ static void on_iteration(uv_prepare_t *iteration)
         daemon->farm.wants_feed = false;
         if (!feed_workers(&daemon->farm)) loop_turns_put(daemon->farm.turns, &daemon->feed);
     }
+    if (daemon->phase == DAEMON_RUNNING) late_sweep_run(&daemon->farm);
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;
         shares_store(&daemon->farm);

@@ -8,6 +8,7 @@
 #include "core/wire/message.h"
 #include "core/wire/worker_status.h"
 #include "daemon/nodes/node.h"
+#include "daemon/settings/pool_options.h"
 #include "daemon/workers/job_fence.h"
 
 #include <stdlib.h>
@@ -47,6 +48,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     worker->fence = params->fence;
     worker->memory_bytes = params->child.memory_bytes;
     worker->node = params->node;
+    worker->heartbeat_ms = params->node ? node_pool(params->node)->heartbeat_ms : 0;
     if (params->node) {
         node_start_worker(params->node, params->id, &worker->link, &params->child, &link_handlers, worker);
     } else if (!worker_link_start_here(&worker->link, loop, &params->child, &link_handlers, worker, error)) {

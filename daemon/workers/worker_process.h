@@ -53,7 +53,8 @@ struct worker_process {
     struct job_fence *fence; // owned; other jobs that it may serve; NULL: none, or any
     int64_t next_job;        // the job that it makes room for; 0: none
     bool is_replaced;        // it exits to make room: its end is no fault
-    bool is_node_lost;       // it ended because its node did
+    bool is_node_lost;       // it ended because its node did, or is not heard
+    int64_t heartbeat_ms;    // within which a node that hears nothing ends its workers; 0: on this machine
     bool is_over_limit;      // it was killed over a limit of a frame's time
     int64_t memory_bytes;    // limit of its memory; 0: none
     const struct worker_handlers *handlers;                              // borrowed; outlive us

@@ -82,6 +82,24 @@ wait_until "the old node is gone" is_gone "$pid"
 wait_until "its workers are gone" all_gone "$children"
 expect_files "still" 200
 
+# What a node that is not heard goes on to write is removed, though its job is over by then.
+stop_daemon
+start_nodes anna write:4000
+wait_until "the worker is idle" all_idle
+id=$(submit "$(job 1 '.output.path = "late/l.####.exr"')")
+wait_until "the frame runs" eval '[ "$(field "$id" .running)" = 1 ]'
+pid=$(node_pid anna)
+kill -STOP "$pid"
+wait_until "its silence is noticed" eval '[[ "$(workers .reason)" == *"node anna: nothing was heard"* ]]'
+ask job.cancel "{\"id\":$id}" >/dev/null
+wait_until "the late file is there" eval '[ -n "$(ls "$scratch/out/late")" ]'
+wait_until "the late file is removed" eval '[ -z "$(ls "$scratch/out/late")" ]'
+kill -CONT "$pid"
+wait_until "the old node is gone" is_gone "$pid"
+stop_daemon
+start_nodes anna=2,ben write:20
+wait_until "all workers are idle" all_idle
+
 # A daemon that is silent, or killed: nothing of it stays on the nodes.
 pid=$(node_pid ben)
 children=$(workers_of "$pid")
