@@ -13,10 +13,24 @@ struct job_table;
 // Whether a job that is no draft, and whose pictures have another hash than `hash`, has published some of `files`, as
 // far as the table knows: they may be gone.
 bool output_older_is_likely(const struct job_table *table, const struct job_files *files, const char *hash);
-// The frames of `files` whose files are in the folder, in no order; owned by the caller. `folder` stays open. Legal in
-// any thread.
-int32_t *output_older_list(const struct job_files *files, int folder, size_t *count);
-// True when none of these frames was published last by a job with another hash. Else `error` names the first of them,
-// the job, and what to do.
-bool output_older_check(const struct job_table *table, const struct job_files *files, const char *hash,
-                        const int32_t *frames, size_t count, struct error *error);
+
+// Frames whose files are there, and the look at who published them. The zero value has none.
+struct output_older {
+    const struct job_files *files; // borrowed; of the new job, with its hash
+    const char *hash;
+    int32_t *frames; // owned; in no order
+    size_t count;
+    size_t next;     // where the next step begins
+    size_t replaced; // of those before it: published last by a job with another hash
+    int32_t first;   // the lowest of these
+    int64_t job;     // which published it
+    char *name;      // owned; of that job
+};
+
+// Finds the frames of older->files whose files are in the folder, which stays open. Legal in any thread.
+void output_older_list(struct output_older *older, int folder);
+// Looks at some of these frames, for a millisecond at the most; true: there are more. Jobs may come and go between.
+bool output_older_step(struct output_older *older, const struct job_table *table);
+// After the last step: true when none is replaced. Else `error` names the first of them, the job, and what to do.
+bool output_older_check(const struct output_older *older, struct error *error);
+void output_older_finish(struct output_older *older);

@@ -18,6 +18,7 @@
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
+#include "daemon/loop/loop_turns.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/output/output_older.h"
 #include "daemon/requests/job_document.h"
@@ -27,6 +28,7 @@
 #include "daemon/workers/worker_pool.h"
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -56,15 +58,15 @@ struct job_submit {
     struct error error;
     struct output_claim claim; // of its files
     struct frame_set marks;    // owned; of their frames
-    bool may_replace;          // pictures of an older version of the job
-    int32_t *existing;         // owned; its frames whose files are there, if `may_replace`
-    size_t existing_count;
+    struct output_older older; // owned; pictures of an older version of the job, if there may be any
+    struct loop_task task;
     struct job_submit *next; // on the farm's list of waiting submissions
 };
 
 static void on_document_read(struct job_document *reading, bool was_read);
 static void on_folder_run(uv_work_t *work);
 static void on_folder_done(uv_work_t *work, int status);
+static bool on_step(struct loop_task *task);
 static void on_committed(void *user, bool ok, const struct error *error);
 
 static void submit_destroy(struct job_submit *submit)
@@ -81,7 +83,7 @@ static void submit_destroy(struct job_submit *submit)
     job_notes_finish(&submit->notes);
     free(submit->code);
     free(submit->pool);
-    free(submit->existing);
+    output_older_finish(&submit->older);
     free(submit);
 }
 
@@ -331,8 +333,10 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     submit->inputs = inputs;
     submit->claim = (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames, &submit->marks},
                                           .name = submit->row.name};
-    submit->may_replace = job->output.existing == JOB_EXISTING_VERIFY &&
-                          output_older_is_likely(&request->farm->jobs, &submit->claim.files, submit->hash);
+    if (job->output.existing == JOB_EXISTING_VERIFY &&
+        output_older_is_likely(&request->farm->jobs, &submit->claim.files, submit->hash))
+        submit->older = (struct output_older){.files = &submit->claim.files, .hash = submit->hash};
+    submit->task.step = on_step;
     output_claims_add(request->farm, &submit->claim);
     submit->work.data = submit;
     begin(submit);
@@ -370,8 +374,7 @@ static void on_folder_run(uv_work_t *work)
     }
     folder = output_root_open_folder(&submit->path, submit->row.root, submit->output_root->id, true, &submit->error);
     if (folder >= 0) {
-        if (submit->may_replace)
-            submit->existing = output_older_list(&submit->claim.files, folder, &submit->existing_count);
+        if (submit->older.files) output_older_list(&submit->older, folder);
         close(folder);
         return;
     }
@@ -390,14 +393,12 @@ static struct store_op format_op(const struct job_submit *submit)
     return op;
 }
 
-static void on_folder_done(uv_work_t *work, int status)
+static void end_checks(struct job_submit *submit)
 {
-    struct job_submit *submit = work->data;
     const char *trouble = committer_trouble(submit->farm->committer);
     struct store_op op;
 
-    if (!submit->failure && !output_older_check(&submit->farm->jobs, &submit->claim.files, submit->hash,
-                                                submit->existing, submit->existing_count, &submit->error))
+    if (!submit->failure && !output_older_check(&submit->older, &submit->error))
         submit->failure = MESSAGE_CODE_CONFLICT;
     if (submit->failure) {
         refuse(submit, (enum message_code)submit->failure, submit->error.message);
@@ -411,6 +412,23 @@ static void on_folder_done(uv_work_t *work, int status)
     op = format_op(submit);
     submit->row.document = NULL;
     committer_put(submit->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, submit);
+}
+
+static void on_folder_done(uv_work_t *work, int status)
+{
+    struct job_submit *submit = work->data;
+
+    (void)status;
+    loop_turns_put(submit->farm->turns, &submit->task);
+}
+
+static bool on_step(struct loop_task *task)
+{
+    struct job_submit *submit = (struct job_submit *)((char *)task - offsetof(struct job_submit, task));
+    bool has_more = submit->older.count > 0 && output_older_step(&submit->older, &submit->farm->jobs);
+
+    if (!has_more) end_checks(submit);
+    return has_more;
 }
 
 static struct job_record *queue_submit(struct job_submit *submit)

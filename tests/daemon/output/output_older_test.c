@@ -63,24 +63,40 @@ static struct job_record *add(int64_t id, const char *hash, int64_t finished_ms)
 static const int32_t there[] = {6, 5, 2, 3};
 enum { THERE = sizeof there / sizeof there[0] };
 
+// Whether a new job may write over those files.
+static bool check(const char *hash, const int32_t *found, size_t count, struct error *error)
+{
+    struct output_older older = {.files = &files, .hash = hash, .count = count};
+    bool ok;
+
+    older.frames = xcalloc(count + 1, sizeof older.frames[0]);
+    for (size_t i = 0; i < count; i++)
+        older.frames[i] = found[i];
+    while (output_older_step(&older, &table))
+        continue;
+    ok = output_older_check(&older, error);
+    output_older_finish(&older);
+    return ok;
+}
+
 static void frames_of_another_version_are_named(void **state)
 {
     struct error error = {0};
 
     add(7, "old", 1);
     assert_true(output_older_is_likely(&table, &files, "new"));
-    assert_false(output_older_check(&table, &files, "new", there, THERE, &error));
+    assert_false(check("new", there, THERE, &error));
     assert_non_null(strstr(error.message, "output.path: c.05.exr and 1 more would be replaced, which job 7 (\"ash\")"));
     assert_non_null(strstr(error.message, "--set output.existing=overwrite"));
-    assert_true(output_older_check(&table, &files, "new", there + 2, 2, &error)); // 4 to 6 are no longer there
-    assert_true(output_older_check(&table, &files, "new", NULL, 0, &error));
+    assert_true(check("new", there + 2, 2, &error)); // 4 to 6 are no longer there
+    assert_true(check("new", NULL, 0, &error));
 }
 
 static void frames_of_this_version_are_welcome(void **state)
 {
     add(7, "same", 1);
     assert_false(output_older_is_likely(&table, &files, "same"));
-    assert_true(output_older_check(&table, &files, "same", there, THERE, NULL));
+    assert_true(check("same", there, THERE, NULL));
 }
 
 static void the_job_that_ended_last_made_the_file(void **state)
@@ -88,25 +104,46 @@ static void the_job_that_ended_last_made_the_file(void **state)
     add(7, "old", 5);
     add(8, "same", 9);
     assert_true(output_older_is_likely(&table, &files, "same"));
-    assert_true(output_older_check(&table, &files, "same", there, THERE, NULL));
+    assert_true(check("same", there, THERE, NULL));
     add(9, "other", 7);
-    assert_true(output_older_check(&table, &files, "same", there, THERE, NULL));
-    assert_false(output_older_check(&table, &files, "old", there, THERE, NULL));
+    assert_true(check("same", there, THERE, NULL));
+    assert_false(check("old", there, THERE, NULL));
 }
 
 static void drafts_are_replaced(void **state)
 {
     add(7, "old", 1)->is_draft = true;
     assert_false(output_older_is_likely(&table, &files, "new"));
-    assert_true(output_older_check(&table, &files, "new", there, THERE, NULL));
+    assert_true(check("new", there, THERE, NULL));
+}
+
+// Their jobs may be deleted between the steps.
+static void many_files_are_looked_at_in_steps(void **state)
+{
+    struct output_older older = {.files = &files, .hash = "new", .count = 9999};
+    struct job_record *record = add(7, "old", 1);
+    struct error error = {0};
+
+    older.frames = xcalloc(older.count, sizeof older.frames[0]);
+    for (size_t i = 0; i < older.count; i++)
+        older.frames[i] = 4;
+    assert_true(output_older_step(&older, &table));
+    assert_true(older.next > 0 && older.next < older.count / 2);
+    queue_remove_job(queue, record->queued);
+    record->queued = NULL;
+    job_table_remove(&table, record);
+    while (output_older_step(&older, &table))
+        continue;
+    assert_false(output_older_check(&older, &error));
+    assert_non_null(strstr(error.message, "which job 7 (\"ash\") published"));
+    output_older_finish(&older);
 }
 
 static void files_of_the_frames_are_listed(void **state)
 {
     static const char *const names[] = {"c.03.exr", "c.12.exr", "c.7.exr", "d.04.exr"};
     char folder[] = "/tmp/output_older_test.XXXXXX", name[64];
-    int32_t *found;
-    size_t count;
+    struct output_older older = {.files = &files};
     int fd;
 
     assert_non_null(mkdtemp(folder));
@@ -115,10 +152,10 @@ static void files_of_the_frames_are_listed(void **state)
         fclose(fopen(name, "w"));
     }
     fd = open(folder, O_RDONLY | O_DIRECTORY);
-    found = output_older_list(&files, fd, &count);
-    assert_int_equal(count, 1);
-    assert_int_equal(found[0], 3);
-    free(found);
+    output_older_list(&older, fd);
+    assert_int_equal(older.count, 1);
+    assert_int_equal(older.frames[0], 3);
+    output_older_finish(&older);
     close(fd);
     for (size_t i = 0; i < 4; i++) {
         snprintf(name, sizeof name, "%s/%s", folder, names[i]);
@@ -134,6 +171,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(frames_of_this_version_are_welcome, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_job_that_ended_last_made_the_file, set_up, tear_down),
         cmocka_unit_test_setup_teardown(drafts_are_replaced, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(many_files_are_looked_at_in_steps, set_up, tear_down),
         cmocka_unit_test_setup_teardown(files_of_the_frames_are_listed, set_up, tear_down),
     };
 
