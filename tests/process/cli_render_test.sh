@@ -142,9 +142,13 @@ grep -A1 -x -e -colorspace film.arguments | grep -qx bt709 || fail "a film says 
 expect 0 env "PATH=$scratch/tools:$PATH" march preview cloud --frames 48-50 --out tags.mp4 --fps 12
 grep -A1 -x -e -framerate film.arguments | grep -qx 12 || fail "--fps overrides the sequence's own"
 if command -v ffmpeg >/dev/null; then
-    expect 0 march preview 'cloud/cloud.####.exr' --out film.mp4 --fps 12
-    [ -s film.mp4 ] || fail "a film"
+    expect 0 march preview 'cloud/cloud.####.exr' --frames 48-50 --out film.mp4 --fps 12.5
+    ffprobe -v error -select_streams v -of default=nw=1 -show_entries \
+        stream=avg_frame_rate,nb_frames,color_range,color_space,color_transfer,color_primaries film.mp4 | sort >film.facts
+    printf '%s\n' avg_frame_rate=25/2 color_primaries=bt709 color_range=tv color_space=bt709 \
+        color_transfer=iec61966-2-1 nb_frames=3 | cmp -s - film.facts || fail "what ffprobe reads in a film: $(cat film.facts)"
 else
+    echo "no ffmpeg: no film is made"
     expect 1 march preview 'cloud/cloud.####.exr' --out film.mp4
     grep -q "apt install ffmpeg" err || fail "a missing ffmpeg is named"
 fi
