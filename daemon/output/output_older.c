@@ -4,14 +4,23 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "daemon/farm/job_table.h"
+#include "daemon/output/picture_version.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { STEP_NAMES = 2048 }; // of files, compared with those of one job: 0.4 us each
+enum {
+    STEP_NAMES = 2048, // of files, compared with those of one job: 0.4 us each
+    NAMED_LIMIT = 64,  // so many frames are looked for by name, more in the folder's list
+    LOOK_LIMIT = 64
+};
+
+#define REMEDY                                                                                                         \
+    "\"existing\": \"overwrite\" in output replaces them (--set output.existing=overwrite); or write elsewhere"
 
 // Drafts are there to be replaced.
 static bool has_pictures(const struct job_record *record)
@@ -35,9 +44,31 @@ bool output_older_is_likely(const struct job_table *table, const struct job_file
     return false;
 }
 
-void output_older_list(struct output_older *older, int folder)
+void output_older_begin(struct output_older *older, const struct job_table *table, const struct job_files *files,
+                        const char *hash)
 {
-    int own = dup(folder);
+    *older =
+        (struct output_older){.files = files, .hash = hash, .is_unknown = !output_older_is_likely(table, files, hash)};
+}
+
+static void list_by_name(struct output_older *older, int folder)
+{
+    const struct job_files *files = older->files;
+    int64_t total = frame_range_count(files->frames);
+    char name[OUTPUT_NAME_SIZE];
+
+    older->frames = xcalloc((size_t)total, sizeof older->frames[0]);
+    for (int64_t i = 0; i < total; i++) {
+        int32_t frame = frame_range_at(files->frames, i);
+
+        output_path_format_name(files->path, frame, name);
+        if (faccessat(folder, name, F_OK, AT_SYMLINK_NOFOLLOW) == 0) older->frames[older->count++] = frame;
+    }
+}
+
+static void list_folder(struct output_older *older, int folder)
+{
+    int own = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC); // which begins at the first entry
     DIR *directory = own >= 0 ? fdopendir(own) : NULL;
     const struct dirent *entry;
     size_t capacity = 0;
@@ -53,6 +84,31 @@ void output_older_list(struct output_older *older, int folder)
         closedir(directory);
     else if (own >= 0)
         close(own);
+}
+
+static void look(struct output_older *older, int folder)
+{
+    size_t looks = older->count < LOOK_LIMIT ? older->count : LOOK_LIMIT;
+    struct picture_version version;
+    char name[OUTPUT_NAME_SIZE];
+
+    for (size_t i = 0; i < looks; i++) {
+        int32_t frame = older->frames[i * older->count / looks];
+
+        output_path_format_name(older->files->path, frame, name);
+        if (!picture_version_read(&version, folder, name) || version.is_draft || strcmp(version.hash, older->hash) == 0)
+            continue;
+        if (older->seen++ == 0 || frame < older->first_seen) older->first_seen = frame;
+    }
+}
+
+void output_older_list(struct output_older *older, int folder)
+{
+    if (frame_range_count(older->files->frames) <= NAMED_LIMIT)
+        list_by_name(older, folder);
+    else
+        list_folder(older, folder);
+    look(older, folder);
 }
 
 static bool has_published(const struct job_record *record, const struct job_files *files, int32_t frame)
@@ -102,8 +158,10 @@ static void note_replaced(struct output_older *older, int32_t frame, const struc
 bool output_older_step(struct output_older *older, const struct job_table *table)
 {
     size_t publisher_count, names = 0;
-    const struct job_record **publishers = list_publishers(table, older->files, &publisher_count);
+    const struct job_record **publishers;
 
+    if (older->is_unknown) return false;
+    publishers = list_publishers(table, older->files, &publisher_count);
     for (; older->next < older->count && names < STEP_NAMES; older->next++) {
         int32_t frame = older->frames[older->next];
         size_t k = 0;
@@ -118,18 +176,30 @@ bool output_older_step(struct output_older *older, const struct job_table *table
     return older->next < older->count;
 }
 
+static bool check_seen(const struct output_older *older, struct error *error)
+{
+    char name[OUTPUT_NAME_SIZE];
+
+    if (older->seen == 0) return true;
+    output_path_format_name(older->files->path, older->first_seen, name);
+    error_set(error,
+              "output.path: %s%s would be replaced, which march render or a job that was deleted made and which differ "
+              "from what this job renders: " REMEDY,
+              name, older->seen > 1 ? " and others" : "");
+    return false;
+}
+
 bool output_older_check(const struct output_older *older, struct error *error)
 {
     char name[OUTPUT_NAME_SIZE], others[48] = "";
 
-    if (older->replaced == 0) return true;
+    if (older->replaced == 0) return check_seen(older, error);
     output_path_format_name(older->files->path, older->first, name);
     if (older->replaced > 1) snprintf(others, sizeof others, " and %zu more", older->replaced - 1);
     error_set(
         error,
         "output.path: %s%s would be replaced, which job %lld (\"%s\") published and which differ from what this job "
-        "renders: \"existing\": \"overwrite\" in output replaces them (--set output.existing=overwrite); or write "
-        "elsewhere",
+        "renders: " REMEDY,
         name, others, (long long)older->job, older->name);
     return false;
 }

@@ -18,6 +18,7 @@ bool output_older_is_likely(const struct job_table *table, const struct job_file
 struct output_older {
     const struct job_files *files; // borrowed; of the new job, with its hash
     const char *hash;
+    bool is_unknown; // no job of the table has published others than such with this hash
     int32_t *frames; // owned; in no order
     size_t count;
     size_t next;     // where the next step begins
@@ -25,12 +26,20 @@ struct output_older {
     int32_t first;   // the lowest of these
     int64_t job;     // which published it
     char *name;      // owned; of that job
+    // By the headers of those that were looked into:
+    size_t seen;        // of other jobs or versions, drafts apart
+    int32_t first_seen; // the lowest of these
 };
 
-// Finds the frames of older->files whose files are in the folder, which stays open. Legal in any thread.
+// Begins a look for a new job's files and hash, which are borrowed.
+void output_older_begin(struct output_older *older, const struct job_table *table, const struct job_files *files,
+                        const char *hash);
+// Finds the frames of older->files whose files are in the folder, which stays open, and looks into 64 of these at most,
+// evenly chosen: who deleted a job, or rendered without a farm, left pictures that the table does not know. Legal in
+// any thread.
 void output_older_list(struct output_older *older, int folder);
 // Looks at some of these frames, for a millisecond at the most; true: there are more. Jobs may come and go between.
 bool output_older_step(struct output_older *older, const struct job_table *table);
-// After the last step: true when none is replaced. Else `error` names the first of them, the job, and what to do.
+// After the last step: true when none is replaced. Else `error` names the first of them, what made it, and what to do.
 bool output_older_check(const struct output_older *older, struct error *error);
 void output_older_finish(struct output_older *older);

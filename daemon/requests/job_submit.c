@@ -58,7 +58,7 @@ struct job_submit {
     struct error error;
     struct output_claim claim; // of its files
     struct frame_set marks;    // owned; of their frames
-    struct output_older older; // owned; pictures of an older version of the job, if there may be any
+    struct output_older older; // owned; pictures of an older version of the job, if it asks before it replaces any
     struct loop_task task;
     struct job_submit *next; // on the farm's list of waiting submissions
 };
@@ -333,9 +333,8 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     submit->inputs = inputs;
     submit->claim = (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames, &submit->marks},
                                           .name = submit->row.name};
-    if (job->output.existing == JOB_EXISTING_VERIFY &&
-        output_older_is_likely(&request->farm->jobs, &submit->claim.files, submit->hash))
-        submit->older = (struct output_older){.files = &submit->claim.files, .hash = submit->hash};
+    if (job->output.existing == JOB_EXISTING_VERIFY)
+        output_older_begin(&submit->older, &request->farm->jobs, &submit->claim.files, submit->hash);
     submit->task.step = on_step;
     output_claims_add(request->farm, &submit->claim);
     submit->work.data = submit;

@@ -164,12 +164,19 @@ wait "$waiter"
 grep -q "^job 5: canceled" waited || fail "wait tells the end after a restart"
 [ "$(grep -c "waiting up to 300 s for it to come back" waited_err)" -eq 1 ] || fail "wait says once that the daemon is gone"
 
+# Pictures whose job was deleted are known by their headers.
+expect 0 march delete 3
+expect 1 submit --frames 48 --set output.path=three/three.####.exr --set camera.fov=47
+grep -q "three.0048.exr would be replaced, which march render or a job that was deleted made" err || fail "pictures without a job"
+expect 0 submit --frames 48 --set output.path=three/three.####.exr --paused
+expect 0 march cancel "$(cat out)"
+
 expect 0 submit --paused --set frames=0 --set output.path=last/last.####.exr
 mv pictures elsewhere
 expect 1 march delete 5 --files
 grep -q "^job 5: output: output root $scratch/pictures is not there" err || fail "the job whose files cannot be removed is named"
 mv elsewhere pictures
-march wait 6 --reconnect 0 >out 2>err &
+march wait 7 --reconnect 0 >out 2>err &
 waiter=$!
 until [ "$(find "/proc/$waiter/fd" -lname 'socket:*' | wc -l)" -gt 0 ] || ! kill -0 "$waiter"; do sleep 0.05; done
 kill "$daemon"

@@ -4,6 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "daemon/farm/job_table.h"
+#include "tests/support/picture_header.h"
+#include "tests/support/temp_folder.h"
 
 #include <fcntl.h>
 #include <setjmp.h>
@@ -22,8 +24,12 @@ static struct output_path path;
 static struct frame_range frames;
 static struct job_files files;
 
+static int folder; // a temporary one
+
 static int set_up(void **state)
 {
+    if (temp_folder_create(state) != 0) return -1;
+    folder = open(*state, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     queue = queue_create(3);
     table = (struct job_table){0};
     assert_true(output_path_parse(&path, "a/c.##.exr", NULL));
@@ -38,7 +44,8 @@ static int tear_down(void **state)
     queue_destroy(queue);
     output_path_finish(&path);
     frame_range_finish(&frames);
-    return 0;
+    close(folder);
+    return temp_folder_destroy(state);
 }
 
 // A job of frames 1 to 20 in the folder, of which 4 to 6 are published.
@@ -139,29 +146,93 @@ static void many_files_are_looked_at_in_steps(void **state)
     output_older_finish(&older);
 }
 
+static void make_picture(int32_t frame, const char *hash, bool is_draft)
+{
+    uint8_t bytes[PICTURE_HEADER_SIZE];
+    size_t size = picture_header_write(bytes, hash, is_draft);
+    char name[OUTPUT_NAME_SIZE];
+    int fd;
+
+    output_path_format_name(files.path, frame, name);
+    fd = openat(folder, name, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    assert_int_equal(write(fd, bytes, size), size);
+    close(fd);
+}
+
 static void files_of_the_frames_are_listed(void **state)
 {
     static const char *const names[] = {"c.03.exr", "c.12.exr", "c.7.exr", "d.04.exr"};
-    char folder[] = "/tmp/output_older_test.XXXXXX", name[64];
-    struct output_older older = {.files = &files};
-    int fd;
+    struct output_older older = {.files = &files, .hash = "new"};
 
-    assert_non_null(mkdtemp(folder));
-    for (size_t i = 0; i < 4; i++) {
-        snprintf(name, sizeof name, "%s/%s", folder, names[i]);
-        fclose(fopen(name, "w"));
-    }
-    fd = open(folder, O_RDONLY | O_DIRECTORY);
-    output_older_list(&older, fd);
+    for (size_t i = 0; i < 4; i++)
+        close(openat(folder, names[i], O_WRONLY | O_CREAT, 0600));
+    output_older_list(&older, folder);
     assert_int_equal(older.count, 1);
     assert_int_equal(older.frames[0], 3);
     output_older_finish(&older);
-    close(fd);
-    for (size_t i = 0; i < 4; i++) {
-        snprintf(name, sizeof name, "%s/%s", folder, names[i]);
-        unlink(name);
+}
+
+static void many_frames_are_found_in_the_list_of_their_folder(void **state)
+{
+    struct frame_range many = {0};
+    struct job_files all = files;
+
+    assert_true(frame_range_parse(&many, "1-900x2", NULL));
+    all.frames = &many;
+    make_picture(8, NULL, false);
+    make_picture(601, NULL, false);
+    for (int pass = 0; pass < 2; pass++) { // from the list's beginning each time
+        struct output_older older = {.files = &all, .hash = "new"};
+
+        output_older_list(&older, folder);
+        assert_int_equal(older.count, 1);
+        assert_int_equal(older.frames[0], 601);
+        output_older_finish(&older);
     }
-    rmdir(folder);
+    frame_range_finish(&many);
+}
+
+static const char same[] = "00112233445566778899aabbccddeeff", other[] = "ffeeddccbbaa99887766554433221100";
+
+// Their job was deleted, or there was none.
+static void pictures_that_no_job_has_are_known_by_their_headers(void **state)
+{
+    struct error error = {0};
+
+    make_picture(3, same, false);
+    make_picture(4, other, true);
+    make_picture(5, NULL, false);
+    for (int pass = 0; pass < 2; pass++) {
+        struct output_older older;
+
+        output_older_begin(&older, &table, &files, same);
+        output_older_list(&older, folder);
+        assert_false(output_older_step(&older, &table));
+        assert_int_equal(older.seen, pass == 0 ? 0 : 2);
+        assert_int_equal(output_older_check(&older, &error), pass == 0);
+        output_older_finish(&older);
+        make_picture(8, other, false);
+        make_picture(7, other, false);
+    }
+    assert_non_null(strstr(error.message, "output.path: c.07.exr and others would be replaced, which march render or"));
+    assert_non_null(strstr(error.message, "--set output.existing=overwrite"));
+}
+
+static void few_of_many_pictures_are_looked_into(void **state)
+{
+    struct frame_range many = {0};
+    struct job_files all = files;
+    struct output_older older = {.files = &all, .hash = same};
+
+    assert_true(frame_range_parse(&many, "1-640", NULL));
+    all.frames = &many;
+    for (int32_t frame = 1; frame <= 640; frame++)
+        make_picture(frame, other, false);
+    output_older_list(&older, folder);
+    assert_int_equal(older.count, 640);
+    assert_int_equal(older.seen, 64);
+    output_older_finish(&older);
+    frame_range_finish(&many);
 }
 
 int main(void)
@@ -173,6 +244,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(drafts_are_replaced, set_up, tear_down),
         cmocka_unit_test_setup_teardown(many_files_are_looked_at_in_steps, set_up, tear_down),
         cmocka_unit_test_setup_teardown(files_of_the_frames_are_listed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(many_frames_are_found_in_the_list_of_their_folder, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(pictures_that_no_job_has_are_known_by_their_headers, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(few_of_many_pictures_are_looked_into, set_up, tear_down),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
