@@ -40,8 +40,12 @@ struct node {
     int64_t asked_ms; // when it was asked to look at the roots; 0: it has answered
     int banner_lines;
     struct node_workers workers;
-    char *host, *reason; // owned
-    bool is_stopping;
+    char *host, *reason;  // owned
+    const char *own_name; // as it was created with
+    char *name, *place;   // owned; see node_allow; NULL: its own
+    int64_t end_ms, whole_ms;
+    bool is_held, is_stopping;
+    bool is_dismissed; // its end is wanted
 };
 
 static bool on_line(void *user, const char *bytes, size_t length, struct error *error);
@@ -56,6 +60,8 @@ struct node *node_create(uv_loop_t *loop, const struct node_params *params, cons
 
     node->loop = loop;
     node->params = *params;
+    node->own_name = params->name;
+    node->is_held = params->pool->launcher == POOL_SLURM;
     node->handlers = handlers;
     node->user = user;
     node->reason = xstrdup("it is to be started");
@@ -67,6 +73,8 @@ void node_destroy(struct node *node)
     if (!node) return;
     free(node->host);
     free(node->reason);
+    free(node->name);
+    free(node->place);
     free(node);
 }
 
@@ -90,7 +98,7 @@ static void lose(struct node *node, const char *reason)
     bool was_ready = node->state == NODE_READY;
     char *full = xasprintf("node %s: %s%s%s", node->params.name, reason, *text ? ": " : "", text);
 
-    if (!node->is_stopping) log_warn("%s", full);
+    if (!node->is_stopping) log_about(node->is_dismissed ? LOG_INFO : LOG_WARN, &(struct log_subject){0}, "%s", full);
     node->state = NODE_DOWN;
     set_reason(node, full);
     if (node->pipe) node_pipe_close(node->pipe);
@@ -108,9 +116,9 @@ static void lose(struct node *node, const char *reason)
 
 static void launch(struct node *node)
 {
-    const struct node_launch_order order = {.socket = node->params.launch_socket,
-                                            .pool = node->params.pool,
-                                            .words = (const char *[]){"node", node->params.name, NULL}};
+    const char *const words[] = {node->place ? "step" : "node", node->place ? node->place : node->params.name, NULL};
+    const struct node_launch_order order = {
+        .socket = node->params.launch_socket, .pool = node->params.pool, .words = words};
     struct node_launch_fds fds;
     struct error error = {0};
 
@@ -150,7 +158,7 @@ void node_check(struct node *node, int64_t now_ms)
     node->now_ms = now_ms;
     if (node->state != NODE_DOWN)
         check_pipe(node);
-    else if (!node->is_stopping && retry_backoff_wait_ms(&node->backoff, now_ms) == 0)
+    else if (!node->is_held && !node->is_stopping && retry_backoff_wait_ms(&node->backoff, now_ms) == 0)
         launch(node);
 }
 
@@ -158,6 +166,43 @@ void node_stop(struct node *node)
 {
     node->is_stopping = true;
     if (node->state != NODE_DOWN) lose(node, "the daemon stops");
+}
+
+static void set_name(struct node *node, char *name, char *place)
+{
+    free(node->name);
+    free(node->place);
+    node->name = name;
+    node->place = place;
+    node->params.name = name ? name : node->own_name;
+}
+
+void node_hold(struct node *node, const char *reason, bool is_dismissed)
+{
+    if (node->is_held && strcmp(node->reason, reason) == 0) return;
+    node->is_held = true;
+    node->is_dismissed = is_dismissed;
+    if (node->state != NODE_DOWN) lose(node, reason);
+    node->is_dismissed = false;
+    set_name(node, NULL, NULL);
+    set_reason(node, xstrdup(reason));
+    node->handlers->on_change(node->user, node);
+}
+
+void node_allow(struct node *node, const char *name, const char *place)
+{
+    if (!node->is_held) return;
+    node->is_held = false;
+    set_name(node, xstrdup(name), xstrdup(place));
+    node->backoff = (struct retry_backoff){0};
+    set_reason(node, xasprintf("node %s: it is to be started", name));
+    node->handlers->on_change(node->user, node);
+}
+
+void node_set_end(struct node *node, int64_t end_ms, int64_t whole_ms)
+{
+    node->end_ms = end_ms;
+    node->whole_ms = whole_ms;
 }
 
 static void welcome(struct node *node)

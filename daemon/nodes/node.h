@@ -48,6 +48,15 @@ void node_stop(struct node *node);
 // Probes a ready node again, for its roots may have changed: it goes on meanwhile, and ends if something is wrong.
 void node_look_at_roots(struct node *node);
 
+// A machine that comes and goes: its node is not started, and ended if it was, until node_allow; why stands as its
+// reason. Nodes of Slurm are held from the start. `is_dismissed`: its end is wanted, and no fault.
+void node_hold(struct node *node, const char *reason, bool is_dismissed);
+// It may be started from now on, by the pool's command "step" with `place`. `name` is the machine's. Both are copied.
+// Does nothing while it is allowed.
+void node_allow(struct node *node, const char *name, const char *place);
+// When its machine goes, by the monotonic clock of node_check; 0: it stays. `whole_ms`: for how long it came.
+void node_set_end(struct node *node, int64_t end_ms, int64_t whole_ms);
+
 enum node_state node_state(const struct node *node);
 const char *node_name(const struct node *node);
 const struct pool_options *node_pool(const struct node *node);

@@ -4,58 +4,19 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/schedule_json.h"
+#include "daemon/settings/option_words.h"
 #include "daemon/settings/options_value.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { NODE_NAME_LENGTH = 255 };
 
-// Words of a text, owned; ends in NULL.
-struct words {
-    char **words;
-    size_t count, capacity;
-};
-
-static void add_word(struct words *words, char *word)
-{
-    words->words = xgrow(words->words, &words->capacity, words->count + 2, sizeof words->words[0]);
-    words->words[words->count++] = word;
-    words->words[words->count] = NULL;
-}
-
 void pool_options_free_command(char **command)
 {
-    for (size_t i = 0; command && command[i]; i++)
-        free(command[i]);
-    free(command);
-}
-
-// Words stand between blanks. Quotes, double or single, keep blanks and the other quotes within a word.
-static bool split(struct words *words, const char *text, struct error *error)
-{
-    char *word = xmalloc(strlen(text) + 1), quote = '\0';
-    size_t length = 0;
-    bool is_word = false;
-
-    for (; *text; text++) {
-        if (quote ? *text == quote : *text == '"' || *text == '\'') {
-            quote = quote ? '\0' : *text;
-            is_word = true;
-        } else if (!quote && (*text == ' ' || *text == '\t')) {
-            if (is_word) add_word(words, xstrndup(word, length));
-            is_word = false;
-            length = 0;
-        } else {
-            word[length++] = *text;
-            is_word = true;
-        }
-    }
-    if (is_word) add_word(words, xstrndup(word, length));
-    free(word);
-    if (quote) error_set(error, "expected another %c at the end", quote);
-    return !quote;
+    option_words_free(command);
 }
 
 // It stands in messages and in command lines: it looks like no option and holds nothing that a shell reads.
@@ -110,24 +71,25 @@ static bool read_nodes(struct pool_options *pool, const char *value, struct erro
 
 static bool read_launcher(struct pool_options *pool, const char *value, struct error *error)
 {
-    static const char *const names[] = {[POOL_COMMAND] = "command", [POOL_SSH] = "ssh"};
+    static const char *const names[] = {[POOL_COMMAND] = "command", [POOL_SSH] = "ssh", [POOL_SLURM] = "slurm"};
 
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(value, names[i]) != 0) continue;
         pool->launcher = (enum pool_launcher)i;
         return true;
     }
-    error_set(error, "launcher: expected command or ssh, got \"%s\"", value);
+    error_set(error, "launcher: expected command, ssh or slurm, got \"%s\"", value);
     return false;
 }
 
 // What a pool reads before its settings are put together.
 struct reading {
     struct pool_options *pool;
-    int worker_count; // of nodes without a count
-    char *program;    // owned; on the nodes
-    char *command;    // owned
-    char *ssh_config; // owned; ssh's file of settings
+    int worker_count;   // of nodes without a count
+    char *program;      // owned; on the nodes
+    char *command;      // owned
+    char *ssh_config;   // owned; ssh's file of settings
+    char slurm_key[16]; // a setting of launcher=slurm that was read; "": none
 };
 
 static bool read_landlock(struct pool_options *pool, const char *value, struct error *error)
@@ -155,6 +117,7 @@ static bool read_ssh_config(struct reading *reading, const char *value, struct e
 static bool read_setting(struct reading *reading, const char *key, const char *value, struct error *error)
 {
     struct pool_options *pool = reading->pool;
+    bool is_known;
 
     if (strcmp(key, "launcher") == 0) return read_launcher(pool, value, error);
     if (strcmp(key, "nodes") == 0) return read_nodes(pool, value, error);
@@ -170,10 +133,15 @@ static bool read_setting(struct reading *reading, const char *key, const char *v
     if (strcmp(key, "landlock") == 0) return read_landlock(pool, value, error);
     if (strcmp(key, "tags") == 0) return pool_terms_read_tags(&pool->terms, value, error);
     if (strcmp(key, "users") == 0) return pool_terms_read_users(&pool->terms, value, error);
+    if (!slurm_options_read(&pool->slurm, key, value, &is_known, error)) return false;
+    if (is_known) {
+        snprintf(reading->slurm_key, sizeof reading->slurm_key, "%s", key);
+        return true;
+    }
     error_set(error,
               "%s: expected launcher, nodes, workers, program, command, ssh-config, backend, threads, worker-memory, "
-              "heartbeat, landlock, tags or users",
-              key);
+              "heartbeat, landlock, tags, users, or for Slurm %s",
+              key, slurm_options_keys);
     return false;
 }
 
@@ -185,7 +153,7 @@ static bool is_plain_path(const char *path)
     return true;
 }
 
-static bool make_ssh_command(struct words *command, const struct reading *reading, const char *program,
+static bool make_ssh_command(struct option_words *command, const struct reading *reading, const char *program,
                              struct error *error)
 {
     static const char *const words[] = {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20"};
@@ -195,25 +163,39 @@ static bool make_ssh_command(struct words *command, const struct reading *readin
         return false;
     }
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        add_word(command, xstrdup(words[i]));
+        option_words_add(command, xstrdup(words[i]));
     if (reading->ssh_config) {
-        add_word(command, xstrdup("-F"));
-        add_word(command, xstrdup(reading->ssh_config));
+        option_words_add(command, xstrdup("-F"));
+        option_words_add(command, xstrdup(reading->ssh_config));
     }
-    add_word(command, xstrdup("--"));
-    add_word(command, xstrdup("{node}"));
-    add_word(command, xstrdup(program));
-    add_word(command, xstrdup("--node"));
+    option_words_add(command, xstrdup("--"));
+    option_words_add(command, xstrdup("{node}"));
+    option_words_add(command, xstrdup(program));
+    option_words_add(command, xstrdup("--node"));
     return true;
+}
+
+// "{node}" stands for the number of a Slurm job. The step waits until an earlier one of the daemon is gone. Without
+// --unbuffered, which puts a terminal between, the node has pipes.
+static void make_slurm_command(struct option_words *command, const struct pool_options *pool, const char *program)
+{
+    static const char *const words[] = {"srun",       "--jobid={node}", "--exact",    "--quiet",
+                                        "--mpi=none", "--nodes=1",      "--ntasks=1", "--chdir=/"};
+
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        option_words_add(command, xstrdup(words[i]));
+    option_words_add(command, xasprintf("--cpus-per-task=%d", pool->slurm.cpu_count));
+    option_words_add(command, xstrdup(program));
+    option_words_add(command, xstrdup("--node"));
 }
 
 static bool make_command(struct reading *reading, struct error *error)
 {
     const char *program = reading->program ? reading->program : "march-worker";
-    struct words command = {0};
+    struct option_words command = {0};
     bool ok;
 
-    if (reading->pool->launcher == POOL_SSH && reading->command) {
+    if (reading->pool->launcher != POOL_COMMAND && reading->command) {
         error_set(error, "command: expected with launcher=command only");
         return false;
     }
@@ -222,20 +204,49 @@ static bool make_command(struct reading *reading, struct error *error)
         return false;
     }
     if (reading->pool->launcher == POOL_COMMAND && !reading->command) {
-        error_set(error, "expected command=\"PROGRAM ... {node} ...\", or launcher=ssh");
+        error_set(error, "expected command=\"PROGRAM ... {node} ...\", or launcher=ssh or slurm");
         return false;
     }
-    ok = reading->command ? split(&command, reading->command, error)
-                          : make_ssh_command(&command, reading, program, error);
+    if (reading->command) {
+        ok = option_words_split(&command, reading->command, error);
+    } else if (reading->pool->launcher == POOL_SLURM) {
+        make_slurm_command(&command, reading->pool, program);
+        ok = true;
+    } else {
+        ok = make_ssh_command(&command, reading, program, error);
+    }
     if (ok && command.count == 0) error_set(error, "command: expected a program");
     reading->pool->command = command.words;
     return ok && command.count > 0;
+}
+
+// A node for each allocation that there may be.
+static bool make_slurm_nodes(struct reading *reading, struct error *error)
+{
+    struct pool_options *pool = reading->pool;
+
+    if (pool->node_count > 0) {
+        error_set(error, "nodes: expected max=COUNT with launcher=slurm, which chooses the machines");
+        return false;
+    }
+    if (!slurm_options_check(&pool->slurm, error)) return false;
+    if (pool->slurm.cpu_count == 0)
+        pool->slurm.cpu_count = reading->worker_count * (pool->thread_count ? pool->thread_count : 1);
+    pool->nodes = xcalloc((size_t)pool->slurm.max, sizeof pool->nodes[0]);
+    for (int i = 0; i < pool->slurm.max; i++)
+        pool->nodes[pool->node_count++] = (struct pool_node){.name = xasprintf("%s.%d", pool->name, i + 1)};
+    return true;
 }
 
 static bool put_together(struct reading *reading, struct error *error)
 {
     struct pool_options *pool = reading->pool;
 
+    if (pool->launcher != POOL_SLURM && reading->slurm_key[0]) {
+        error_set(error, "%s: expected with launcher=slurm only", reading->slurm_key);
+        return false;
+    }
+    if (pool->launcher == POOL_SLURM && !make_slurm_nodes(reading, error)) return false;
     if (pool->node_count == 0) {
         error_set(error, "expected nodes=NAME,NAME=WORKERS,...");
         return false;
@@ -281,10 +292,11 @@ static char *format_text(char **words)
 bool pool_options_read(struct pool_options *pool, const char *text, struct error *error)
 {
     struct reading reading = {.pool = pool, .worker_count = 1};
-    struct words words = {0};
-    bool ok = split(&words, text, error);
+    struct option_words words = {0};
+    bool ok = option_words_split(&words, text, error);
 
     *pool = (struct pool_options){.launcher = POOL_COMMAND, .heartbeat_ms = 30000, .wants_landlock = true};
+    slurm_options_init(&pool->slurm);
     if (ok && (words.count == 0 || !schedule_is_pool_name(words.words[0]))) {
         error_set(error, "expected the pool's name and KEY=VALUE ...");
         ok = false;
@@ -313,6 +325,7 @@ void pool_options_finish(struct pool_options *pool)
     free(pool->text);
     pool_terms_finish(&pool->terms);
     pool_options_free_command(pool->command);
+    slurm_options_finish(&pool->slurm);
     *pool = (struct pool_options){0};
 }
 
@@ -335,10 +348,10 @@ static char *put_node_in(const char *word, const char *node)
 
 char **pool_options_format_command(const struct pool_options *pool, const char *node)
 {
-    struct words command = {0};
+    struct option_words command = {0};
 
     for (size_t i = 0; pool->command[i]; i++)
-        add_word(&command, put_node_in(pool->command[i], node));
+        option_words_add(&command, put_node_in(pool->command[i], node));
     return command.words;
 }
 
@@ -361,10 +374,10 @@ static bool read_local_terms(struct pool_terms *terms, char **words, struct erro
 // `*is_local`: the setting is about the pool "local".
 static bool read_local(struct pool_table *table, const char *text, bool *is_local, struct error *error)
 {
-    struct words words = {0};
+    struct option_words words = {0};
     bool ok = true;
 
-    *is_local = split(&words, text, NULL) && words.count > 0 && strcmp(words.words[0], POOL_LOCAL) == 0;
+    *is_local = option_words_split(&words, text, NULL) && words.count > 0 && strcmp(words.words[0], POOL_LOCAL) == 0;
     if (*is_local) {
         pool_terms_finish(&table->local);
         ok = read_local_terms(&table->local, words.words, error);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/settings/pool_terms.h"
+#include "daemon/settings/slurm_options.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,7 +18,8 @@ enum { POOL_NODE_LIMIT = 4096, POOL_WORKER_LIMIT = 1024, POOL_LIMIT = 63 };
 
 enum pool_launcher {
     POOL_COMMAND, // any program that starts another one on a machine
-    POOL_SSH
+    POOL_SSH,
+    POOL_SLURM // machines that Slurm lends
 };
 
 struct pool_node {
@@ -31,12 +33,13 @@ struct pool_options {
     enum pool_launcher launcher;
     struct pool_node *nodes; // owned; at least one
     size_t node_count;
-    char **command;       // owned, ends in NULL; "{node}" in a word stands for the node's name
-    char *backend;        // as of struct options; NULL: the same
-    int thread_count;     // of one worker; 0: the same as here
-    int64_t memory_bytes; // of one worker; 0: its share of the node's, -1: any amount
-    int64_t heartbeat_ms; // a node that is silent for so long is lost
-    bool wants_landlock;  // a node without Landlock is refused
+    char **command; // owned, ends in NULL; "{node}" in a word stands for the node's name, of Slurm its job's id
+    struct slurm_options slurm; // with POOL_SLURM
+    char *backend;              // as of struct options; NULL: the same
+    int thread_count;           // of one worker; 0: the same as here
+    int64_t memory_bytes;       // of one worker; 0: its share of the node's, -1: any amount
+    int64_t heartbeat_ms;       // a node that is silent for so long is lost
+    bool wants_landlock;        // a node without Landlock is refused
     struct pool_terms terms;
     char *text; // the setting, without its terms
 };

@@ -11,13 +11,25 @@
 struct farm;
 struct node_probe;
 struct options;
+struct slurm_pool;
 struct worker_child_params;
 struct worker_slot;
 
+// A pool of Slurm's.
+struct worker_site {
+    struct slurm_pool *slurm;  // owned
+    struct worker_slot *slots; // borrowed; outlive us; of its nodes in order, each with as many workers
+    int slot_count, worker_count;
+};
+
 // The zero value is empty.
 struct worker_nodes {
+    struct farm *farm;   // borrowed; outlives us
     struct node **nodes; // owned
     size_t count;
+    struct worker_site *sites; // owned
+    size_t site_count;
+    bool is_stopping; // the machines stay as they are
 };
 
 int worker_nodes_count_slots(const struct options *options);
@@ -27,7 +39,7 @@ void worker_nodes_list_roots(void *farm, struct node_probe *probe);
 // handlers' user is the farm.
 void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct worker_slot *slots,
                        const struct node_handlers *handlers);
-void worker_nodes_check(struct worker_nodes *nodes, int64_t now_ms); // as node_check
+void worker_nodes_check(struct worker_nodes *nodes, int64_t now_ms); // as node_check and slurm_pool_check
 void worker_nodes_stop(struct worker_nodes *nodes);
 void worker_nodes_finish(struct worker_nodes *nodes); // legal when they are stopped
 

@@ -257,8 +257,9 @@ static void on_gone(void *user, struct worker_process *worker)
     bool is_replaced = worker->is_replaced && worker->in_flight.count == 0 && worker->exit_signal == 0;
     bool is_expected = is_replaced || (pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0);
 
-    if (!is_expected)
-        log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
+    if (!is_expected) // the end of a node is told once
+        log_about(worker->is_node_lost ? LOG_DEBUG : LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id,
+                  worker_process_pid(worker), reason);
     worker_turns_charge(slot);
     if (!is_replaced) turns_stand(queue_turns(pool->farm->queue), &slot->seat);
     pool->handlers->on_frames_lost(pool->farm, worker, reason);
@@ -292,7 +293,7 @@ void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
 {
     int64_t stop_by_ms = farm_now_ms(pool->farm) + timeout_ms;
 
-    pool->is_stopping = true;
+    pool->is_stopping = pool->nodes.is_stopping = true;
     for (int i = 0; i < pool->slot_count; i++) {
         struct worker_process *worker = pool->slots[i].worker;
 

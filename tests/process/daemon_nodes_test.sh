@@ -42,7 +42,7 @@ refused "far" "expected nodes="
 refused "far nodes=a" 'expected command='
 refused "far nodes=a,a launcher=ssh" "a stands there twice"
 refused "far nodes=-a launcher=ssh" "expected a machine's name"
-refused "far nodes=a launcher=rsh" "expected command or ssh"
+refused "far nodes=a launcher=rsh" "expected command, ssh or slurm"
 refused "far nodes=a launcher=ssh program='x y'" "expected a path of letters"
 refused "far nodes=a launcher=command command='x \"y'" "expected another \""
 refused "far nodes=a launcher=ssh colour=red" "colour: expected launcher"

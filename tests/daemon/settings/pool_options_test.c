@@ -78,6 +78,43 @@ static void a_pool_of_a_command(void **state)
     pool_options_finish(&pool);
 }
 
+static void a_pool_of_slurm(void **state)
+{
+    static const char *const expected[] = {
+        "srun",       "--jobid=77", "--exact",           "--quiet",           "--mpi=none", "--nodes=1",
+        "--ntasks=1", "--chdir=/",  "--cpus-per-task=6", "/opt/march-worker", "--node",     NULL};
+    struct pool_options pool;
+
+    assert_true(pool_options_read(&pool,
+                                  "big launcher=slurm workers=3 threads=2 program=/opt/march-worker partition=gpu "
+                                  "account=film gres=gpu:3 time=2:00:00 min=1 max=20 idle=90 keep=30 lease=/fast/lease "
+                                  "arguments='--qos=low --comment=\"a b\"'",
+                                  NULL));
+    assert_int_equal(pool.launcher, POOL_SLURM);
+    assert_int_equal(pool.node_count, 20);
+    assert_string_equal(pool.nodes[19].name, "big.20");
+    assert_int_equal(pool_options_worker_count(&pool), 60);
+    assert_string_equal(pool.slurm.partition, "gpu");
+    assert_string_equal(pool.slurm.account, "film");
+    assert_string_equal(pool.slurm.gres, "gpu:3");
+    assert_string_equal(pool.slurm.time, "2:00:00");
+    assert_int_equal(pool.slurm.min, 1);
+    assert_int_equal(pool.slurm.max, 20);
+    assert_int_equal(pool.slurm.idle_ms, 90000);
+    assert_int_equal(pool.slurm.keep_ms, 30000);
+    assert_string_equal(pool.slurm.lease_folder, "/fast/lease");
+    assert_int_equal(pool.slurm.arguments.count, 2);
+    assert_string_equal(pool.slurm.arguments.words[1], "--comment=a b");
+    assert_command(&pool, "77", expected);
+    pool_options_finish(&pool);
+
+    assert_true(pool_options_read(&pool, "p launcher=slurm", NULL));
+    assert_int_equal(pool.node_count, 1);
+    assert_int_equal(pool.slurm.cpu_count, 1);
+    assert_null(pool.slurm.partition);
+    pool_options_finish(&pool);
+}
+
 static void faults_name_their_place(void **state)
 {
     static const struct {
@@ -100,6 +137,13 @@ static void faults_name_their_place(void **state)
         {"p nodes=a launcher=ssh ssh-config=x", "--pool: p: ssh-config: expected an absolute path, got \"x\""},
         {"p nodes=a command=x ssh-config=/x", "--pool: p: ssh-config: expected with launcher=ssh only"},
         {"p nodes=a launcher=ssh program='x;y'", "--pool: p: program: expected a path of letters"},
+        {"p launcher=slurm nodes=a", "--pool: p: nodes: expected max=COUNT"},
+        {"p launcher=slurm max=2 min=3", "--pool: p: min: expected at most max, which is 2"},
+        {"p launcher=slurm command=x", "--pool: p: command: expected with launcher=command only"},
+        {"p launcher=slurm keep=5", "keep: expected seconds from 10"},
+        {"p launcher=slurm lease=x", "lease: expected an absolute path, got \"x\""},
+        {"p launcher=slurm gres='a b'", "gres: expected printable characters without blanks"},
+        {"p nodes=a launcher=ssh partition=x", "--pool: p: partition: expected with launcher=slurm only"},
         {"p nodes=a launcher=ssh heartbeat=0.1", "heartbeat: expected seconds from 1"},
         {"p nodes=a launcher=ssh landlock=yes", "landlock: expected required or optional, got \"yes\""},
         {"p nodes=a launcher=ssh colour=red", "--pool: p: colour: expected launcher, nodes"},
@@ -194,6 +238,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pool_of_ssh),
         cmocka_unit_test(a_pool_of_a_command),
+        cmocka_unit_test(a_pool_of_slurm),
         cmocka_unit_test(faults_name_their_place),
         cmocka_unit_test(a_table_holds_pools_of_different_names),
         cmocka_unit_test(tags_and_users_are_the_terms_of_a_pool),

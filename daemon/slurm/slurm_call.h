@@ -1,0 +1,18 @@
+// One command of Slurm's at work, with a limit of its time.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <uv.h>
+
+struct error;
+struct node_launch_order;
+struct slurm_call;
+
+// `text` is what it printed, ended by NUL; NULL: it did not end, or printed too much. `trouble` is what it said of a
+// fault; "": nothing. The exit status says nothing: whoever asks looks at the text. The callee closes the call.
+typedef void slurm_call_on_end(void *user, char *text, const char *trouble);
+
+// `order` is borrowed during the call. NULL on failure, with the cause.
+struct slurm_call *slurm_call_start(uv_loop_t *loop, const struct node_launch_order *order, slurm_call_on_end *on_end,
+                                    void *user, struct error *error);
+void slurm_call_close(struct slurm_call *call); // ends it where it runs, unheard; it frees itself; accepts NULL
