@@ -51,11 +51,13 @@ static void print_end(const struct json_node *frame)
 {
     double progress = number_of(frame, "phase_progress");
     const char *phase = text_of(frame, "phase", NULL), *why = text_of(frame, "error", NULL);
+    const char *node = text_of(frame, "node", NULL);
 
     if (phase && progress > 0)
-        printf("  %s %.0f %%\n", phase, 100 * progress);
+        printf("  %s %.0f %%", phase, 100 * progress);
     else
-        printf("  %s\n", phase ? phase : why ? why : text_of(frame, "path", "-"));
+        printf("  %s", phase ? phase : why ? why : text_of(frame, "path", "-"));
+    printf("%s%s\n", node ? " on " : "", node ? node : "");
 }
 
 static void print_share(const struct json_node *frame, const char *key)

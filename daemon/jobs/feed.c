@@ -15,9 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool write_job(struct farm *farm, const struct job_record *record, struct json_writer *writer,
-                      struct error *error)
+static bool write_job(struct farm *farm, const struct worker_process *worker, const struct job_record *record,
+                      struct json_writer *writer, struct error *error)
 {
+    const char *node = worker_process_node(worker);
     char *document;
 
     if (!store_read_document(farm->reader, record->id, &document, error)) return false;
@@ -30,6 +31,7 @@ static bool write_job(struct farm *farm, const struct job_record *record, struct
     json_write_string_member(writer, "farm_id", farm->id);
     json_write_string_member(writer, "owner", record->owner);
     json_write_bool_member(writer, "plans", true);
+    if (node) json_write_string_member(writer, "node", node);
     if (record->has_old_parts) json_write_bool_member(writer, "old_parts", true);
     json_write_key(writer, "document");
     json_write_raw(writer, document, strlen(document));
@@ -76,7 +78,7 @@ static void assign(struct farm *farm, struct worker_process *worker, const struc
     struct json_writer writer = {0};
     struct error error;
 
-    if (worker_process_knows_job(worker, record->id) || write_job(farm, record, &writer, &error)) {
+    if (worker_process_knows_job(worker, record->id) || write_job(farm, worker, record, &writer, &error)) {
         if (writer.length > 0) worker_process_learn_job(worker, record->id);
         write_assignment(record->id, tickets, count, &writer);
         give(farm, worker, record, tickets, count);

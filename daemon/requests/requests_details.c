@@ -28,6 +28,7 @@ struct listed_frame {
     uint16_t worker;
     uint8_t state, phase; // phase: enum frame_phase
     float phase_progress; // negative: unknown
+    char *node;           // owned; of its worker; NULL: this machine, or no worker
 };
 
 struct frames_filter {
@@ -107,6 +108,8 @@ static void on_details_done(struct work_piece *piece, bool was_run)
     json_writer_finish(&task->value);
     frame_set_finish(&task->numbers);
     free(task->filter.range);
+    for (size_t i = 0; i < task->frame_count; i++)
+        free(task->frames[i].node);
     free(task->frames);
     free(task);
 }
@@ -132,12 +135,16 @@ static bool read_filter(struct request *request, struct frames_filter *filter)
            read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit);
 }
 
-static void note_phase(const struct worker_pool *pool, const struct details_task *task, struct listed_frame *listed)
+static void note_worker(const struct worker_pool *pool, const struct details_task *task, struct listed_frame *listed)
 {
+    int64_t job = task->record->id;
+    const struct worker_process *worker =
+        listed->state == FRAME_RUNNING ? worker_pool_find_holder(pool, job, listed->frame, listed->attempt) : NULL;
     const struct in_flight_frame *frame =
-        listed->state == FRAME_RUNNING ? worker_pool_find_frame(pool, task->record->id, listed->frame, listed->attempt)
-                                       : NULL;
+        worker ? in_flight_find(&worker->in_flight, job, listed->frame, listed->attempt) : NULL;
+    const char *node = worker ? worker_process_node(worker) : NULL;
 
+    listed->node = node ? xstrdup(node) : NULL;
     listed->phase = frame ? (uint8_t)frame->phase : FRAME_PHASE_NONE;
     listed->phase_progress = frame ? (float)frame->phase_progress : -1.0F;
 }
@@ -156,7 +163,7 @@ static void list_frame(struct details_task *task, int32_t index)
                                                               .attempt = known.attempt,
                                                               .worker = known.worker,
                                                               .state = (uint8_t)known.state};
-    note_phase(task->farm->pool, task, &task->frames[task->frame_count - 1]);
+    note_worker(task->farm->pool, task, &task->frames[task->frame_count - 1]);
 }
 
 // A range may name four million frames.
@@ -272,6 +279,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     json_write_string_member(writer, "state", frame_state_name((enum frame_state)frame->state));
     json_write_integer_member(writer, "attempts", frame->attempt);
     write_maybe_integer(writer, "worker", frame->worker != 0, frame->worker);
+    json_write_string_member(writer, "node", frame->node);
     json_write_number_member(writer, "render_s", has_times ? row->render_s : NAN);
     json_write_number_member(writer, "encode_s", has_times ? row->encode_s : NAN);
     json_write_number_member(writer, "audit_s", has_times ? row->audit_s : NAN);

@@ -77,6 +77,11 @@ int worker_process_pid(const struct worker_process *worker)
     return worker->link.calls->pid(worker->link.self);
 }
 
+const char *worker_process_node(const struct worker_process *worker)
+{
+    return worker->node ? node_name(worker->node) : NULL;
+}
+
 static char *copy_text(const char *text)
 {
     return text ? xstrdup(text) : NULL;

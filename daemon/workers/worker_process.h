@@ -83,6 +83,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
                                             const struct worker_handlers *handlers, struct error *error);
 struct log_subject worker_process_subject(const struct worker_process *worker); // its id, and the frame that it renders
 int worker_process_pid(const struct worker_process *worker);
+const char *worker_process_node(const struct worker_process *worker); // its node's name; NULL: this machine
 void worker_process_note_ready(struct worker_process *worker, const struct worker_report *report); // keeps its texts
 void worker_process_note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms);
 // Whether it was started for another job than this one: its fence or its past may be why a frame fails.

@@ -57,10 +57,10 @@ expect "its time, by the frames that are left" "$(field "$long" '.eta_s > 0.6 * 
 # Another job of the pool waits for its worker; one of another pool does not.
 next=$(submit "$(job 1-5 "$(to next cpu)")")
 expect "why the next one waits" "$(field "$next" .reason)" "waits behind job $long (priority 50)"
-other=$(submit "$(job 1-5 "$(to other big)")")
-wait_state "$other" succeeded
+other=$(submit "$(job 1-20000 "$(to other big)")")
+wait_until "its frames run on the node" eval '"$bin/march" frames --socket "$socket" --state running "$other" | grep -q " on anna$"'
 expect "the next one" "$(field "$next" .state)" queued
-ask job.cancel "{\"id\":$long}" >"$scratch/canceled"
+for id in "$long" "$other"; do ask job.cancel "{\"id\":$id}" >"$scratch/canceled"; done
 wait_state "$next" succeeded
 
 # Who may use it, now and after a reload.

@@ -32,7 +32,8 @@ struct image_exr_header {
     double world_to_camera[16]; // row vectors as OpenEXR has them (p' = p M), row-major
     double world_to_ndc[16];
     const char *owner;
-    const char *host, *farm; // where it was rendered, and for which farm; NULL: not written, like the next three
+    // Where it was rendered, by which name of the farm, and for which farm; NULL: not written, like the next three.
+    const char *host, *node, *farm;
     const char *job_name;
     const char *comment, *tags; // the user's; tags in one line, separated by ", "
     int64_t job_id;

@@ -172,6 +172,7 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
         {"marchd:name", header->job_name},
         {"marchd:tags", header->tags},
         {"marchd:host", header->host},
+        {"marchd:node", header->node},
         {"marchd:farm", header->farm},
         {"marchd:jobHash", header->job_hash},
         {"marchd:sequenceHash", header->sequence_hash},

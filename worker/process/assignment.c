@@ -18,6 +18,7 @@ void held_job_destroy(struct held_job *job)
     free(job->root);
     free(job->root_id);
     free(job->farm_id);
+    free(job->node);
     free(job->owner);
     free(job->draft);
     free(job->fault);

@@ -17,6 +17,7 @@ struct held_job {
     char *root;     // owned
     char *root_id;  // owned; of the root's marker; NULL: its folder is not checked
     char *farm_id;  // owned; for the names of part files and headers; NULL: none
+    char *node;     // owned; the name by which the farm knows this machine; NULL: none
     char *owner;    // owned
     struct job job;
     bool has_old_parts;         // part files of an earlier daemon may be there

@@ -28,6 +28,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .fps_denominator = job->fps_denominator,
         .owner = frame->job->owner,
         .host = worker->host,
+        .node = frame->job->node,
         .farm = frame->job->farm_id,
         .job_name = job->name,
         .comment = job->notes.comment,

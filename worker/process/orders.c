@@ -84,6 +84,7 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
         !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
         !read_maybe_text(params, "root_id", &job->root_id, error) ||
         !read_maybe_text(params, "farm_id", &job->farm_id, error) ||
+        !read_maybe_text(params, "node", &job->node, error) ||
         !read_maybe_bool(params, "old_parts", &job->has_old_parts, error) || !read_plans(params, job, error) ||
         !read_maybe_text(params, "preview", &job->preview, error)) {
         held_job_destroy(job);

@@ -18,11 +18,12 @@ static void who_where_and_what_for_are_in_the_header(void **state)
 {
     static const char *const expected[] = {"owner",       "ada",         "marchd:host", "node7",    "marchd:farm",
                                            "attic",       "marchd:name", "cloud",       "comments", "for the trailer",
-                                           "marchd:tags", "a, b"};
+                                           "marchd:tags", "a, b",        "marchd:node", "big-7"};
     const struct image_exr_header header = {.fps_numerator = 24,
                                             .fps_denominator = 1,
                                             .owner = "ada",
                                             .host = "node7",
+                                            .node = "big-7",
                                             .farm = "attic",
                                             .job_name = "cloud",
                                             .comment = "for the trailer",

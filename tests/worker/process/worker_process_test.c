@@ -47,7 +47,7 @@ static void say_job(const struct test_worker *child, int id, int width, int heig
     format_document(document, sizeof document, width, height, step, existing);
     test_worker_say(child,
                     "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":%d,\"epoch\":3,\"root\":\"%s\","
-                    "\"owner\":\"ada\",\"document\":%s}}",
+                    "\"owner\":\"ada\",\"node\":\"big-7\",\"document\":%s}}",
                     id, child->root, document);
 }
 
@@ -117,6 +117,8 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
     assert_true(facts.render_seconds > 0 && number_of(&message, "encode_s") > 0);
     assert_true(number_of(&message, "render_s") == facts.render_seconds);
+    assert_true(pread(fd, document, sizeof document, 0) == (ssize_t)sizeof document);
+    assert_non_null(memmem(document, sizeof document, "big-7", 5));
     job_finish(&job);
     close(fd);
     message_finish(&message);
