@@ -8,6 +8,7 @@
 #include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/delete_parts.h"
 #include "daemon/jobs/events.h"
 #include "daemon/output/file_remover.h"
 #include "daemon/output/output_claims.h"
@@ -28,7 +29,8 @@ struct job_delete {
     bool ok;
     struct error error;
     struct output_claim claim; // of its files, with `with_files`
-    struct job_delete *next;   // on the farm's list of deletions
+    struct delete_parts parts;
+    struct job_delete *next; // on the farm's list of deletions
 };
 
 static void on_flushed(void *user, bool ok, const struct error *error);
@@ -106,11 +108,23 @@ static void give_up(struct job_delete *deletion, enum message_code code, const s
     end(deletion);
 }
 
+// What has begun is brought to its end.
 static void commit(struct job_delete *deletion)
 {
-    struct store_op op = {.kind = STORE_DELETE_JOB, .job = {.id = deletion->record->id}};
+    enum commit_policy policy = deletion->parts.has_begun ? COMMIT_CERTAIN : COMMIT_OR_DROP;
+    struct store_op op = delete_parts_take(&deletion->parts, deletion->record, deletion->user);
 
-    committer_put(deletion->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, deletion);
+    committer_put(deletion->farm->committer, policy, &op, 1, on_committed, deletion);
+}
+
+// What the store says of the job until its end.
+static void note_begun(struct job_delete *deletion)
+{
+    char *reason = delete_parts_format_reason(deletion->record, deletion->user);
+
+    queue_restore_end(deletion->record->queued, true, false);
+    job_record_set_reason(deletion->record, reason);
+    free(reason);
 }
 
 static bool is_used(const struct farm *farm, const struct job_record *record)
@@ -200,6 +214,11 @@ static void on_committed(void *user, bool ok, const struct error *error)
 
     if (!ok) {
         give_up(deletion, MESSAGE_CODE_STORE, error);
+        return;
+    }
+    if (!deletion->parts.is_last) {
+        if (deletion->parts.next == 0) note_begun(deletion);
+        commit(deletion);
         return;
     }
     tell(deletion);

@@ -43,6 +43,22 @@ expect "frames of a walk in steps" "$(ask job.frames "{\"id\":$id,\"range\":\"0-
 expect "frames of a long range" "$(ask job.frames "{\"id\":$id,\"range\":\"$(printf '1,%.0s' {1..33000})1\"}" | jq .error.code)" -32602
 stop_daemon
 
+# A deletion of many frames that a SIGKILL cuts off leaves a canceled job, of which nothing is rendered again.
+start_daemon --worker-program "$(stub nocontext)"
+ask job.delete '{"id":1}' >/dev/null &
+deleter=$!
+while [[ $(ask job.show '{"id":1}') == *'"state":"succeeded"'* ]]; do :; done
+kill_daemon
+wait "$deleter"
+start_daemon --worker-program "$(stub nocontext)"
+if [[ $(ask job.show '{"id":1}') != *'"error"'* ]]; then
+    expect "a deletion that was cut off" "$(field 1 '[.state, .queued, .reason] | join(" ")')" \
+        "canceled 0 its deletion by $(id -un) has begun: march delete 1 ends it"
+    ask job.delete '{"id":1}' >/dev/null
+fi
+expect_error "$(ask job.show '{"id":1}')" 1 "there is no such job"
+stop_daemon
+
 # A retry of one frame among a million writes what changes, and what it leaves stays canceled over a SIGKILL.
 start_daemon --worker-program "$(stub nocontext)" --user-frames none
 id=$(submit "$(job 0-999999 '.output.path = "million/x.####.exr"')" true)
