@@ -6,6 +6,7 @@
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/output/publisher.h"
 #include "daemon/schedule/dispatch.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
@@ -180,6 +181,7 @@ static size_t count_to_assign(struct farm *farm, const struct worker_process *wo
                                  .workers = count_workers(ready, next)};
     size_t count;
 
+    if (load.skip_run > 0 && publisher_is_full(farm->checker)) return 0; // workers find files faster than we check them
     add_load(farm, &worker->in_flight, next->id, &load);
     count = dispatch_count(&load);
     return count < DISPATCH_CHUNK_LIMIT ? count : DISPATCH_CHUNK_LIMIT;
@@ -221,6 +223,7 @@ bool feed_workers(struct farm *farm)
     bool is_searching = false;
 
     if (committer_trouble(farm->committer) || farm->drain.user) return true;
+    if (publisher_is_full(farm->publisher)) return true;
     worker_pool_count_ready(farm->pool, ready);
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
     for (int i = 0; i < worker_pool_slot_count(farm->pool) && !is_searching; i++) {

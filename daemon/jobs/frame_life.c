@@ -398,8 +398,8 @@ static void note_unpublished(struct farm *farm, const struct publish_request *re
                               .is_started = true,
                               .intent = request->is_found ? NULL : &intent.frame,
                               .worker = request->worker,
-                              .error = request->error.message,
-                              .log = request->error.message};
+                              .error = request->error,
+                              .log = request->error};
 
     end_attempt(farm, &end);
     // The file may be in a root that comes back.
@@ -423,6 +423,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     struct error reason;
 
     request->record->frames_in_flight--;
+    farm_want_feed(farm); // the publisher was full, perhaps
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
         note_unpublished(farm, request);
     } else if (request->is_found) {

@@ -2,6 +2,7 @@
 #include "daemon/output/publisher.h"
 
 #include "core/base/alloc.h"
+#include "core/base/error.h"
 #include "core/job/output_path.h"
 #include "core/job/output_root.h"
 #include "daemon/farm/job_table.h"
@@ -121,6 +122,11 @@ bool publisher_is_idle(const struct publisher *publisher)
     return publisher->uncommitted == 0 && publisher->intended.count == 0 && !publisher->is_working;
 }
 
+bool publisher_is_full(const struct publisher *publisher)
+{
+    return publisher->uncommitted + publisher->intended.count >= PUBLISHER_FULL;
+}
+
 static void on_intent_committed(void *user, bool ok, const struct error *error)
 {
     struct publish_intent *intent = user;
@@ -134,12 +140,14 @@ static void on_intent_committed(void *user, bool ok, const struct error *error)
 
 static void start_batch(struct publisher *publisher)
 {
-    struct publish_list emptied = publisher->in_flight;
+    struct publish_list *waiting = &publisher->intended;
+    size_t count = waiting->count < PUBLISHER_BATCH ? waiting->count : PUBLISHER_BATCH;
 
-    if (publisher->is_working || publisher->intended.count == 0) return;
-    publisher->in_flight = publisher->intended;
-    publisher->intended = emptied;
-    publisher->intended.count = 0;
+    if (publisher->is_working || count == 0) return;
+    for (size_t i = 0; i < count; i++)
+        list_add(&publisher->in_flight, waiting->requests[i]);
+    waiting->count -= count;
+    memmove(waiting->requests, waiting->requests + count, waiting->count * sizeof(struct publish_request *));
     publisher->is_working = true;
     uv_queue_work(publisher->loop, &publisher->work, on_publish_run, on_publish_done);
 }
@@ -153,6 +161,13 @@ static int compare_requests(const void *a, const void *b)
     return left->ticket.index < right->ticket.index ? -1 : left->ticket.index > right->ticket.index;
 }
 
+static void fail(struct publish_request *request, enum publish_outcome outcome, const struct error *error)
+{
+    free(request->error);
+    request->outcome = outcome;
+    request->error = xstrdup(error->message);
+}
+
 static void publish_one(const char *farm, struct publish_request *request, int folder)
 {
     const struct output_path *path = &request->record->path;
@@ -162,16 +177,15 @@ static void publish_one(const char *farm, struct publish_request *request, int f
                                       .frame = request->ticket.frame,
                                       .attempt = request->ticket.attempt};
     char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
+    struct error error = {0};
+    bool ok;
 
     output_path_format_name(path, request->ticket.frame, name);
-    if (request->is_found) {
-        if (!publish_check_found(folder, name, &request->file, &request->error))
-            request->outcome = PUBLISH_OUTCOME_BAD_FILE;
-        return;
-    }
-    output_path_format_part(path, &names, part);
-    if (request->is_remote) publish_await(folder, part, &request->file, SEEN_MS);
-    if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
+    if (!request->is_found) output_path_format_part(path, &names, part);
+    if (!request->is_found && request->is_remote) publish_await(folder, part, &request->file, SEEN_MS);
+    ok = request->is_found ? publish_check_found(folder, name, &request->file, &error)
+                           : publish_file(folder, part, name, &request->file, &error);
+    if (!ok) fail(request, PUBLISH_OUTCOME_BAD_FILE, &error);
 }
 
 static void fail_group(struct publish_request **requests, size_t count, enum publish_outcome outcome,
@@ -179,8 +193,7 @@ static void fail_group(struct publish_request **requests, size_t count, enum pub
 {
     for (size_t i = 0; i < count; i++) {
         if (requests[i]->outcome != PUBLISH_OUTCOME_DONE && outcome != PUBLISH_OUTCOME_NO_ROOT) continue;
-        requests[i]->outcome = outcome;
-        requests[i]->error = *error;
+        fail(requests[i], outcome, error);
     }
 }
 
@@ -237,6 +250,7 @@ static void on_publish_done(uv_work_t *work, int status)
     publisher->is_working = false;
     for (size_t i = 0; i < publisher->in_flight.count; i++) {
         publisher->on_done(publisher->user, publisher->in_flight.requests[i]);
+        free(publisher->in_flight.requests[i]->error);
         free(publisher->in_flight.requests[i]);
     }
     publisher->in_flight.count = 0;

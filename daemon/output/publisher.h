@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/base/error.h"
 #include "core/wire/frame_accuracy.h"
 #include "core/wire/publish.h"
 #include "daemon/schedule/queue.h"
@@ -36,8 +35,12 @@ struct publish_request {
     double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;
     enum publish_outcome outcome;
-    struct error error;
+    char *error; // owned by the publisher; what is wrong; NULL: nothing
 };
+
+// Requests that are looked at or renamed together, and reported in one turn of the loop; requests from which on a
+// publisher is full.
+enum { PUBLISHER_BATCH = 1024, PUBLISHER_FULL = 16 * 1024 };
 
 // Called on the loop when the file is published on disk, or cannot be. The callee commits the result.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
@@ -50,6 +53,8 @@ void publisher_put(struct publisher *publisher, const struct publish_request *re
 // Has the file that a worker found looked at, by size and hash: nothing is committed, renamed or synced.
 void publisher_put_found(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);
+// So many wait that no frame which would join them is to be begun.
+bool publisher_is_full(const struct publisher *publisher);
 
 // An op that stores the frame's row in the given state.
 struct store_op publish_request_format_op(const struct publish_request *request, enum frame_state state);

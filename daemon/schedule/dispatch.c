@@ -35,13 +35,14 @@ bool dispatch_is_overfull(double frame_s, size_t count)
 
 size_t dispatch_count(const struct dispatch_load *load)
 {
+    size_t most = load->workers < DISPATCH_LIMIT ? (size_t)(DISPATCH_LIMIT / load->workers) : 1, chunk;
     int64_t share;
-    size_t chunk;
     double in_flight;
 
     assert(load->workers >= 1);
     if (load->left <= 0) return 0;
     chunk = find_chunk(load);
+    if (chunk > most) chunk = most;
     // A chunk is at most half of an equal share of what is left, so that chunks shrink and all workers end together.
     share = (load->left + 2 * (int64_t)load->workers - 1) / (2 * (int64_t)load->workers);
     if ((int64_t)chunk > share) chunk = (size_t)share;

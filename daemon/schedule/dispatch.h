@@ -6,7 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { DISPATCH_CHUNK_LIMIT = 256 };
+// Frames in a worker's chunk, and in those of all workers that may render the job: their answers, which may all come at
+// once, are read in one turn of the loop.
+enum { DISPATCH_CHUNK_LIMIT = 256, DISPATCH_LIMIT = 10000 };
 
 struct dispatch_load {
     double frame_s;      // median seconds of the job's frames; 0: unknown, so that the worker gets one frame

@@ -51,6 +51,15 @@ static void shortest_frames_reach_the_limit(void **state)
     assert_int_equal(count_for(1e-300, 1000000, 2, 0), DISPATCH_CHUNK_LIMIT);
 }
 
+static void many_workers_share_a_limit(void **state)
+{
+    const struct dispatch_load skips = {.skip_run = 1000, .skip_s = 1e-6, .left = 1000000, .workers = 1000};
+
+    assert_int_equal(count_for(1e-6, 1000000, 200, 0), DISPATCH_LIMIT / 200);
+    assert_int_equal(count_for(1e-6, 1000000, DISPATCH_LIMIT + 1, 0), 1);
+    assert_int_equal(dispatch_count(&skips), DISPATCH_LIMIT / 1000);
+}
+
 static void worker_gets_more_when_half_of_a_chunk_is_rendered(void **state)
 {
     assert_int_equal(count_for(1e-6, 1000000, 2, DISPATCH_CHUNK_LIMIT / 2 + 1), 0);
@@ -135,6 +144,7 @@ int main(void)
         cmocka_unit_test(chunk_keeps_overhead_under_one_percent),
         cmocka_unit_test(more_overhead_makes_larger_chunks),
         cmocka_unit_test(shortest_frames_reach_the_limit),
+        cmocka_unit_test(many_workers_share_a_limit),
         cmocka_unit_test(worker_gets_more_when_half_of_a_chunk_is_rendered),
         cmocka_unit_test(the_last_frames_of_a_job_are_shared),
         cmocka_unit_test(no_worker_gets_more_than_is_left),
