@@ -94,7 +94,11 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .id = index + 1};
     struct log_subject subject = {.worker = index + 1};
     struct error error = {0};
+    char device[16];
 
+    // Workers share the GPUs. Those of a node get their turns there.
+    snprintf(device, sizeof device, "turn:%d", index % 10000);
+    if (!slot->node) params.child.device = device;
     params.node = slot->node;
     if (slot->node) worker_nodes_set_params(slot->node, &params.child);
     if (record && params.fence) {

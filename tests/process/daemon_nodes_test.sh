@@ -51,6 +51,12 @@ refused "local nodes=a" "local: expected tags=... or users=..."
 start_nodes anna=2,ben write:20
 wait_until "all workers are idle" all_idle
 expect "workers" "$(workers '[.id, .pool, .node]')" '[[1,"far","anna"],[2,"far","anna"],[3,"far","ben"]]'
+# The workers of a machine share its GPUs in turn, also when one of them is replaced.
+turns() { pgrep -a -P "$(node_pid anna)" | grep -o 'turn:[0-9]*' | sort | tr '\n' ' '; }
+expect "turns" "$(turns)" "turn:0 turn:1 "
+kill -KILL "$(pgrep -f -P "$(node_pid anna)" 'turn:0')"
+wait_until "it is replaced" eval '[ "$(turns)" = "turn:0 turn:1 " ]'
+wait_until "all workers are idle" all_idle
 id=$(submit "$(job 1-60)")
 wait_state "$id" succeeded
 expect_files "cloud" 60

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/gl/gl_context_backend.h"
+#include "worker/gl/gl_device.h"
 
 #include <stdlib.h>
 
@@ -21,9 +22,12 @@ struct gl_context *gl_context_create(enum gl_backend backend, const char *device
 {
     struct gl_context_trials trials = {0};
     struct gl_context *context = NULL;
+    int turn;
+    bool is_turn = device && gl_device_read_turn(device, &turn);
 
-    for (int i = 0; i < TRY_LIMIT && tries[backend][i] && !context && (i == 0 || !device); ++i)
-        context = tries[backend][i](device, &trials);
+    for (int i = 0; i < TRY_LIMIT && tries[backend][i] && !context && (i == 0 || !device || is_turn); ++i)
+        context =
+            tries[backend][i](is_turn && tries[backend][i] != gl_context_egl_create_hardware ? NULL : device, &trials);
     if (context)
         log_debug("gl: %s on %s, %s", context->facts.backend, context->facts.renderer, context->facts.version);
     else

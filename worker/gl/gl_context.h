@@ -14,7 +14,8 @@ enum gl_backend {
     GL_BACKEND_SOFTWARE // OSMesa, then EGL on software
 };
 
-// `device` picks an EGL device by UUID or index; NULL: the first that works. Loads libEGL or libOSMesa at run time.
+// `device` picks an EGL device by UUID or index, or, with "turn:N", the first of the GPUs that works from the N-th on,
+// as gl_device_order says with CUDA_VISIBLE_DEVICES; NULL: the first that works. Loads libEGL or libOSMesa at run time.
 struct gl_context *gl_context_create(enum gl_backend backend, const char *device, struct error *error);
 void gl_context_destroy(struct gl_context *context);
 const struct gl_context_facts *gl_context_facts(const struct gl_context *context);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "worker/gl/gl_context_backend.h"
+#include "worker/gl/gl_device.h"
 
 #define EGL_NO_X11
 #include <EGL/egl.h>
@@ -25,9 +26,10 @@ struct egl_library {
     PFNEGLMAKECURRENTPROC make_current;
     PFNEGLRELEASETHREADPROC release_thread;
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
-    PFNEGLQUERYDEVICESEXTPROC query_devices;            // NULL without device enumeration
-    PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string; // NULL without device enumeration
-    PFNEGLQUERYDEVICEBINARYEXTPROC query_device_binary; // NULL without EGL_EXT_device_persistent_id
+    PFNEGLQUERYDEVICESEXTPROC query_devices;               // NULL without device enumeration
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string;    // NULL without device enumeration
+    PFNEGLQUERYDEVICEATTRIBEXTPROC query_device_attribute; // NULL without device enumeration
+    PFNEGLQUERYDEVICEBINARYEXTPROC query_device_binary;    // NULL without EGL_EXT_device_persistent_id
 };
 
 struct egl_context {
@@ -87,6 +89,7 @@ static bool load_library(struct egl_library *egl, struct gl_context_trials *tria
     if (has_word(extensions, "EGL_EXT_device_base") ||
         (has_word(extensions, "EGL_EXT_device_enumeration") && has_word(extensions, "EGL_EXT_device_query"))) {
         egl->query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl->get_proc_address("eglQueryDevicesEXT");
+        egl->query_device_attribute = (PFNEGLQUERYDEVICEATTRIBEXTPROC)egl->get_proc_address("eglQueryDeviceAttribEXT");
         egl->query_device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC)egl->get_proc_address("eglQueryDeviceStringEXT");
         egl->query_device_binary = (PFNEGLQUERYDEVICEBINARYEXTPROC)egl->get_proc_address("eglQueryDeviceBinaryEXT");
     }
@@ -226,32 +229,63 @@ static struct gl_context *create_on_device(const struct egl_library *egl, EGLDev
     return context;
 }
 
+static struct gl_device describe(const struct egl_library *egl, EGLDeviceEXT found, int index)
+{
+    const char *extensions = egl->query_device_string(found, EGL_EXTENSIONS);
+    struct egl_target target = device_target(egl, found, index);
+    struct gl_device device = {.is_software = has_word(extensions, "EGL_MESA_device_software"), .cuda_number = -1};
+    EGLAttrib number;
+
+    memcpy(device.uuid, target.uuid, sizeof device.uuid);
+    if (egl->query_device_attribute && has_word(extensions, "EGL_NV_device_cuda") &&
+        egl->query_device_attribute(found, EGL_CUDA_DEVICE_NV, &number))
+        device.cuda_number = (int)number;
+    return device;
+}
+
+// The devices to try: GPUs in turn, the one that `wanted` names among all, or those that render as `in_software` says.
+static size_t choose(const struct gl_device *devices, size_t count, bool in_software, const char *wanted, int *order)
+{
+    size_t chosen = 0;
+    int turn;
+
+    if (wanted && gl_device_read_turn(wanted, &turn))
+        return gl_device_order(devices, count, turn, getenv("CUDA_VISIBLE_DEVICES"), order);
+    for (size_t i = 0; i < count; i++)
+        if (wanted || devices[i].is_software == in_software) order[chosen++] = (int)i;
+    return chosen;
+}
+
 // Returns a context on the first device that works: a software device or a GPU as `in_software` says, or the one that
 // `wanted` names, whichever it is.
 static struct gl_context *create_on_devices(const struct egl_library *egl, bool in_software, const char *wanted,
                                             struct gl_context_trials *trials)
 {
     EGLDeviceEXT found[DEVICE_LIMIT];
+    struct gl_device devices[DEVICE_LIMIT];
+    int order[DEVICE_LIMIT];
     EGLint count = 0;
-    int candidates = 0;
+    size_t candidates;
+    const char *name;
+    int turn;
 
     if (!egl->query_devices || !egl->query_device_string || !egl->query_devices(DEVICE_LIMIT, found, &count)) count = 0;
-    for (int i = 0; i < count; ++i) {
-        bool is_software = has_word(egl->query_device_string(found[i], EGL_EXTENSIONS), "EGL_MESA_device_software");
-        struct gl_context *context;
+    for (int i = 0; i < count; ++i)
+        devices[i] = describe(egl, found[i], i);
+    candidates = choose(devices, (size_t)count, in_software, wanted, order);
+    name = wanted && gl_device_read_turn(wanted, &turn) ? NULL : wanted;
+    for (size_t k = 0; k < candidates && k < (size_t)count; ++k) {
+        struct gl_context *context = create_on_device(egl, found[order[k]], order[k], name, trials);
 
-        if (!wanted && is_software != in_software) continue;
-        ++candidates;
-        context = create_on_device(egl, found[i], i, wanted, trials);
-        if (context && !wanted && context->facts.is_software != in_software) {
-            gl_context_trials_add(trials, "egl device %d: renders in software", i);
+        if (context && !name && context->facts.is_software != in_software) {
+            gl_context_trials_add(trials, "egl device %d: renders in software", order[k]);
             destroy(context);
             context = NULL;
         }
         if (context) return context;
     }
     if (candidates == 0) gl_context_trials_add(trials, "egl: no %s device", in_software ? "software" : "GPU");
-    if (wanted) gl_context_trials_add(trials, "egl: no usable device \"%s\" among %d", wanted, (int)count);
+    if (name) gl_context_trials_add(trials, "egl: no usable device \"%s\" among %d", name, (int)count);
     return NULL;
 }
 

@@ -33,7 +33,7 @@ enum {
 struct hosted {
     struct hosted *next;
     struct host *host;
-    int id;
+    int id, turn; // turn: of those that run, by which they share the GPUs
     struct worker_child *child;
 };
 
@@ -192,12 +192,27 @@ static bool read_child(const struct host *host, const struct json_node *order, s
     return true;
 }
 
+// The least that no running worker has.
+static int free_turn(const struct host *host)
+{
+    const struct hosted *hosted = host->first;
+    int turn = 0;
+
+    while (hosted) {
+        bool is_taken = hosted->turn == turn;
+
+        turn += is_taken;
+        hosted = is_taken ? host->first : hosted->next;
+    }
+    return turn;
+}
+
 static bool start(struct host *host, int id, const struct json_node *order, struct error *error)
 {
     struct worker_child_params params;
     struct hosted *hosted;
     struct error reason = {0};
-    char pid[16];
+    char pid[16], device[16];
 
     if (find(host, id)) {
         error_set(error, "worker %d runs already", id);
@@ -207,6 +222,9 @@ static bool start(struct host *host, int id, const struct json_node *order, stru
     hosted = xcalloc(1, sizeof *hosted);
     hosted->host = host;
     hosted->id = id;
+    hosted->turn = free_turn(host);
+    snprintf(device, sizeof device, "turn:%d", hosted->turn % 10000);
+    params.device = device;
     hosted->child = worker_child_start(&host->loop, &params, &worker_handlers, hosted, &reason);
     if (!hosted->child) {
         free(hosted);

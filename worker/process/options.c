@@ -107,10 +107,11 @@ static bool parse_option(struct options *options, int option, const char *text, 
     case 'm':
         return parse_bytes(text, &options->memory_bytes, error);
     default:
-        error_set(error,
-                  "usage: march-worker --fd N [--backend auto|egl|osmesa|software|none] [--device UUID-or-index] "
-                  "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --node "
-                  "[--worker PROGRAM], or --version");
+        error_set(
+            error,
+            "usage: march-worker --fd N [--backend auto|egl|osmesa|software|none] [--device UUID-or-index-or-turn:N] "
+            "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --node "
+            "[--worker PROGRAM], or --version");
         return false;
     }
 }

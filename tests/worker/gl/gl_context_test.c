@@ -10,6 +10,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -109,6 +110,23 @@ static void a_device_is_picked_by_index(void **state)
     gl_context_destroy(context);
 }
 
+// Where there is no GPU, or none that this process may use, workers render in software whatever their turn.
+static void a_turn_keeps_nobody_from_a_context(void **state)
+{
+    struct gl_context *context;
+
+    gl_context_destroy(create_or_skip(GL_BACKEND_EGL));
+    context = gl_context_create(GL_BACKEND_EGL, "turn:5", NULL);
+    assert_non_null(context);
+    gl_context_destroy(context);
+    assert_int_equal(setenv("CUDA_VISIBLE_DEVICES", "NoDevFiles", 1), 0);
+    context = gl_context_create(GL_BACKEND_AUTO, "turn:0", NULL);
+    assert_non_null(context);
+    assert_true(gl_context_facts(context)->is_software);
+    gl_context_destroy(context);
+    assert_int_equal(unsetenv("CUDA_VISIBLE_DEVICES"), 0);
+}
+
 static void a_device_is_picked_by_the_uuid_it_reports(void **state)
 {
     struct gl_context *context = create_or_skip(GL_BACKEND_EGL);
@@ -173,6 +191,7 @@ int main(void)
         cmocka_unit_test(auto_takes_egl_only_before_osmesa_when_it_is_hardware),
         cmocka_unit_test(software_is_egl_only_without_osmesa),
         cmocka_unit_test(a_device_is_picked_by_index),
+        cmocka_unit_test(a_turn_keeps_nobody_from_a_context),
         cmocka_unit_test(a_device_is_picked_by_the_uuid_it_reports),
         cmocka_unit_test(an_unknown_device_is_named_with_what_was_tried),
         cmocka_unit_test(osmesa_has_no_devices),
