@@ -11,9 +11,11 @@ trap 'rm -rf "$scratch"' EXIT
 
 # What is packed here is unpacked at once.
 export DPKG_DEB_COMPRESSOR_TYPE=gzip DPKG_DEB_COMPRESSOR_LEVEL=1
-package=$("$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7) || fail "deploy/package"
+"$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7 >"$scratch/built" || fail "deploy/package"
+{ read -r package && read -r worker; } <"$scratch/built"
 version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/CMakeLists.txt")
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
+[ "$worker" = "$scratch/out/marchd-worker_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $worker"
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
 # The package's files are the installed ones and those that Debian requires; man pages and the changelog are compressed.
@@ -21,15 +23,21 @@ case "$(. /etc/os-release && echo "$ID $VERSION_ID")" in
 'debian 12') units=/lib/systemd/system ;;
 *) units=/usr/lib/systemd/system ;;
 esac
-{
-    installed_files /usr "$units" | sed 's|^\(/usr/share/man/.*\)|\1.gz|; s|/CHANGELOG\.md$|/changelog.gz|'
-    echo /usr/share/doc/marchd/changelog.Debian.gz
-    echo /usr/share/doc/marchd/copyright
-    echo /usr/share/lintian/overrides/marchd
-} | sort >"$scratch/expected"
-dpkg-deb -c "$package" >"$scratch/listed"
-grep -v '^d' "$scratch/listed" | awk '{ print $6 }' | sed 's/^\.//' | sort >"$scratch/found"
-diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "packed otherwise (< expected, > found): $(cat "$scratch/diff")"
+# packed PACKAGE NAME: what the package has is the list on standard input and what Debian requires of a package of that name.
+packed() {
+    {
+        sed 's|^\(/usr/share/man/.*\)|\1.gz|; s|/CHANGELOG\.md$|/changelog.gz|'
+        echo "/usr/share/doc/$2/changelog.Debian.gz"
+        echo "/usr/share/doc/$2/copyright"
+        echo "/usr/share/lintian/overrides/$2"
+    } | sort >"$scratch/expected"
+    dpkg-deb -c "$1" >"$scratch/listed"
+    grep -v '^d' "$scratch/listed" | awk '{ print $6 }' | sed 's/^\.//' | sort >"$scratch/found"
+    diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "$2 is packed otherwise (< expected, > found): $(cat "$scratch/diff")"
+    ! grep -v ' root/root ' "$scratch/listed" || fail "files of another than root"
+}
+installed_files /usr "$units" | packed "$package" marchd
+worker_files /usr | packed "$worker" marchd-worker
 dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/share/doc/marchd/copyright >"$scratch/copyright"
 for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: *' 'License: Apache-2.0' \
     ' /usr/share/common-licenses/Apache-2.0.'; do
@@ -37,16 +45,25 @@ for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-form
 done
 maintainer=$(dpkg-deb -f "$package" Maintainer)
 [ "$maintainer" = "${DEBFULLNAME:-marchd developers} <${DEBEMAIL:-marchd@example.org}>" ] || fail "maintained by $maintainer"
-! grep -v ' root/root ' "$scratch/listed" || fail "files of another than root"
 
 dpkg-deb -e "$package" "$scratch/control"
-[ "$(cat "$scratch/control/conffiles")" = /etc/marchd/marchd.conf ] || fail "conffiles: $(cat "$scratch/control/conffiles")"
-for need in libc6 libuv1 libsqlite3-0 libsystemd0 libegl1 libegl-mesa0 libgl1-mesa-dri systemd; do
-    dpkg-deb -f "$package" Depends | sed 's,[|\,],\n,g' | grep -q "^ *$need\(t64\)\{0,1\} *\((.*\)\{0,1\}$" ||
-        fail "does not depend on $need"
-done
-[ "$(dpkg-deb -f "$package" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"
-dpkg-deb -f "$package" Suggests | grep -q libnanovdb-tools || fail "does not suggest the OpenVDB converter"
+[ "$(tr '\n' ' ' <"$scratch/control/conffiles")" = "/etc/marchd/marchd.conf /etc/marchd/ssh/config " ] ||
+    fail "conffiles: $(cat "$scratch/control/conffiles")"
+# depends PACKAGE NAME...
+depends() {
+    file=$1
+    shift
+    for need in "$@"; do
+        dpkg-deb -f "$file" Depends | sed 's,[|\,],\n,g' | grep -q "^ *$need\(t64\)\{0,1\} *\((.*\)\{0,1\}$" ||
+            fail "$file does not depend on $need"
+    done
+}
+depends "$package" libc6 libuv1 libsqlite3-0 libsystemd0 systemd "marchd-worker (= $version-7)"
+depends "$worker" libc6 libuv1 libegl1 libegl-mesa0 libgl1-mesa-dri
+! dpkg-deb -f "$worker" Depends | grep -qE 'systemd|sqlite' || fail "a node does not need $(dpkg-deb -f "$worker" Depends)"
+dpkg-deb -I "$worker" | grep -qE ' (post|pre)(inst|rm) ' && fail "marchd-worker has scripts"
+[ "$(dpkg-deb -f "$worker" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"
+dpkg-deb -f "$worker" Suggests | grep -q libnanovdb-tools || fail "does not suggest the OpenVDB converter"
 
 # does SCRIPT TEXT: the script of the package contains the text.
 does() { grep -qF -- "$2" "$scratch/control/$1" || fail "$1: expected $2"; }
@@ -73,5 +90,5 @@ if command -v shellcheck >/dev/null; then
     shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT"/deploy/debian/post* "$PROJECT_ROOT"/deploy/debian/prerm || fail "shellcheck"
 fi
 if command -v lintian >/dev/null; then
-    lintian --fail-on error,warning --allow-root "$package" || fail "lintian"
+    lintian --fail-on error,warning --allow-root "$package" "$worker" || fail "lintian"
 fi

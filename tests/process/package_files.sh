@@ -7,12 +7,17 @@ fail() {
 # below FOLDER TARGET: the folder's files, named by their paths below the target.
 below() { (cd "$PROJECT_ROOT/$1" && find . -type f | sed "s|^\.|$2|"); }
 
-# installed_files PREFIX UNIT-FOLDER: prints the paths of all installed files.
+# worker_files PREFIX: those of march-worker, which are a package of their own.
+worker_files() {
+    printf '%s\n' "$1/bin/march-worker" "$1/share/man/man8/march-worker.8"
+}
+
+# installed_files PREFIX UNIT-FOLDER: prints the paths of all other installed files.
 installed_files() {
     {
         cat <<END
 $1/bin/march
-$1/bin/march-worker
+$1/bin/march-launch
 $1/bin/marchd
 $1/lib/systemd/user/marchd.service
 $1/lib/systemd/user/marchd.socket
@@ -27,15 +32,21 @@ $1/share/doc/marchd/STYLE.md
 $1/share/fish/vendor_completions.d/march.fish
 $1/share/fish/vendor_completions.d/marchd.fish
 $1/share/zsh/vendor-completions/_march
+$2/march-launch.service
+$2/march-launch.socket
+$2/march-launch@.service
+$2/march-launch@.socket
 $2/marchd.service
 $2/marchd.socket
 $2/marchd@.service
 $2/marchd@.socket
 /etc/marchd/marchd.conf
+/etc/marchd/ssh/config
 END
         below docs "$1/share/doc/marchd/docs"
         below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/textures/draw_[a-z]*$'
         for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
+            case "$page" in */march-worker.8) continue ;; esac
             [ ! -f "$page" ] || echo "$1/share/man/man${page##*.}/${page##*/}"
         done
     } | sort

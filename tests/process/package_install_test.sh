@@ -10,7 +10,7 @@ prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$built/CMakeCache.txt")
 root=$scratch/root
 
 DESTDIR=$root cmake --install "$built" >"$scratch/log" 2>&1 || fail "cmake --install: $(tail -n 5 "$scratch/log")"
-installed_files "$prefix" "$prefix/lib/systemd/system" >"$scratch/expected"
+{ installed_files "$prefix" "$prefix/lib/systemd/system" && worker_files "$prefix"; } | sort >"$scratch/expected"
 (cd "$root" && find . ! -type d | sed 's/^\.//' | sort) >"$scratch/found"
 diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "installed otherwise (< expected, > found): $(cat "$scratch/diff")"
 odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
@@ -20,12 +20,24 @@ odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
 for unit in system/marchd.service user/marchd.service; do
     grep -q "^ExecStart=$prefix/bin/marchd" "$root$prefix/lib/systemd/$unit" || fail "$unit starts another marchd"
 done
+grep -qx "ExecStart=$prefix/bin/march-launch" "$root$prefix/lib/systemd/system/march-launch.service" ||
+    fail "march-launch.service starts another march-launch"
 # A further farm's unit is the first one's, but for what tells the daemon its places.
 units=$root$prefix/lib/systemd/system
 cmp -s "$units/marchd.socket" "$units/marchd@.socket" || fail "marchd@.socket is another"
-diff "$units/marchd.service" "$units/marchd@.service" >"$scratch/diff" && fail "marchd@.service is not told its places"
-[ "$(sed -n 's/^> //p' "$scratch/diff")" = "ExecStart=$prefix/bin/marchd --system --config /etc/marchd/%i.conf \
---state /var/lib/%N --socket /run/marchd/%N.sock" ] || fail "marchd@.service: $(cat "$scratch/diff")"
+# differs UNIT: prints the lines that are the further farm's own.
+differs() { diff "$units/$1" "$units/$(echo "$1" | sed 's/[.]/@./')" | sed -n 's/^> //p'; }
+expect() { [ "$2" = "$3" ] || fail "$1: expected \"$3\", got \"$2\""; }
+expect marchd@.service "$(differs marchd.service)" "Wants=march-launch@%i.socket
+After=%N.socket march-launch@%i.socket local-fs.target remote-fs.target systemd-modules-load.service nvidia-persistenced.service
+ExecStart=$prefix/bin/marchd --system --config /etc/marchd/%i.conf --state /var/lib/%N --socket /run/marchd/%N.sock \
+--launch-socket /run/marchd/march-launch@%i.sock"
+expect march-launch@.socket "$(differs march-launch.socket)" PartOf=marchd@%i.service
+expect march-launch@.service "$(differs march-launch.service)" "PartOf=marchd@%i.service
+Before=marchd@%i.service
+ExecStart=$prefix/bin/march-launch --config /etc/marchd/%i.conf
+InaccessiblePaths=-/var/lib/marchd -/var/lib/marchd@%i -/var/cache/marchd -/var/cache/marchd@%i -/srv/marchd -/srv/marchd@%i \
+-/srv/marchd-input"
 cmp -s "$PROJECT_ROOT/deploy/marchd.conf" "$root/etc/marchd/marchd.conf" || fail "marchd.conf is not the one of the tree"
 
 # Examples name their files relative to themselves; the scan's file comes from another package.

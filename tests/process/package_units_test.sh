@@ -17,11 +17,12 @@ understands() { # WHOSE OPTION...
 # The system's units are checked in a root of their own, which has the program at its installed path.
 mkdir -p "$scratch/root/usr/lib/systemd/system" "$scratch/root/usr/bin"
 ln -s usr/bin usr/lib "$scratch/root"
-cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.service" "$deploy/marchd.socket" \
+cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy"/marchd.service "$deploy"/marchd.socket "$deploy"/march-launch.* \
     "$scratch/root/usr/lib/systemd/system"
+cp /bin/true "$scratch/root/usr/bin/march-launch"
 cp /bin/true "$scratch/root/usr/bin/marchd"
 cp /bin/true "$scratch/root/usr/bin/march"
-understands system --root="$scratch/root" marchd.service marchd.socket
+understands system --root="$scratch/root" marchd.service marchd.socket march-launch.service march-launch.socket
 for kind in service socket; do
     cp "$deploy/marchd.$kind" "$scratch/root/usr/lib/systemd/system/marchd@.$kind"
 done
@@ -33,9 +34,11 @@ cp "$deploy/user/marchd.socket" "$scratch/user"
 understands user --user "$scratch/user/marchd.service" "$scratch/user/marchd.socket"
 
 # Exposure is at most 2.0.
-systemd-analyze security --offline=true --no-pager --threshold=20 "$deploy/marchd.service" >"$scratch/said" 2>&1 ||
-    fail "exposure above 2.0: $(tail -n 1 "$scratch/said")"
-grep -q 'Overall exposure level' "$scratch/said" || fail "systemd-analyze tells no exposure: $(cat "$scratch/said")"
+for unit in marchd.service march-launch.service; do
+    systemd-analyze security --offline=true --no-pager --threshold=20 "$deploy/$unit" >"$scratch/said" 2>&1 ||
+        fail "$unit: exposure above 2.0: $(tail -n 1 "$scratch/said")"
+    grep -q 'Overall exposure level' "$scratch/said" || fail "systemd-analyze tells no exposure: $(cat "$scratch/said")"
+done
 
 # has UNIT LINE, lacks UNIT KEY
 has() { grep -qxF -- "$2" "$deploy/$1" || fail "$1: expected $2"; }
@@ -72,6 +75,20 @@ for unit in marchd user/marchd; do
     opened=$(sed -n 's/^ListenStream=//p' "$deploy/$unit.socket")
     has $unit.service "ExecReload=/usr/bin/march reload --socket $opened"
 done
+# The daemon has no network; who has one sees nothing of the daemon, and serves only its user.
+has marchd.service 'PrivateNetwork=yes'
+has marchd.service 'RestrictAddressFamilies=AF_UNIX'
+has marchd.service 'InaccessiblePaths=-/etc/marchd/ssh'
+has marchd.service "ExecStart=/usr/bin/marchd --system --launch-socket /run/marchd/march-launch.sock"
+has march-launch.socket 'ListenSequentialPacket=/run/marchd/%N.sock'
+has march-launch.socket 'SocketMode=0600'
+has march-launch.socket "SocketUser=$(sed -n 's/^User=//p' "$deploy/march-launch.service")"
+[ "$(sed -n 's/^User=//p' "$deploy/march-launch.service")" = "$(sed -n 's/^User=//p' "$deploy/marchd.service")" ] ||
+    fail "march-launch.service is of another user than marchd.service"
+lacks march-launch.service StateDirectory
+lacks march-launch.service ReadWritePaths
+has march-launch.service Before=marchd.service # frames that run on nodes may finish, too
+has march-launch.service 'InaccessiblePaths=-/proc -/run/marchd'
 has marchd.socket 'ListenStream=/run/marchd/%N.sock'
 has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'
@@ -99,8 +116,8 @@ done
 systemd-tmpfiles --root="$scratch/root" --create "$deploy/marchd.tmpfiles" >"$scratch/said" 2>&1 || fail "tmpfiles: $(cat "$scratch/said")"
 uid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/passwd")
 gid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/group")
-found=$(cd "$scratch/root" && stat -c '%n %a %u:%g' run/marchd srv/marchd srv/marchd-input | tr '\n' ' ')
-[ "$found" = "run/marchd 755 0:0 srv/marchd 755 $uid:$gid srv/marchd-input 2775 0:$gid " ] || fail "folders: $found"
+found=$(cd "$scratch/root" && stat -c '%n %a %u:%g' etc/marchd/ssh run/marchd srv/marchd srv/marchd-input | tr '\n' ' ')
+[ "$found" = "etc/marchd/ssh 750 0:$gid run/marchd 755 0:0 srv/marchd 755 $uid:$gid srv/marchd-input 2775 0:$gid " ] || fail "folders: $found"
 
 # What was given to another user, for a service with another User=, is left to them at the next boot or upgrade.
 chown 4242 "$scratch/root/srv/marchd"

@@ -1,13 +1,13 @@
 # Installing, inspecting, upgrading and purging the package. Sourced by tests/service.
 
-# make_revision DEB FILE SUFFIX: writes the same package with a later version.
+# make_revision DEB FILE SUFFIX: writes the same package with a later version, which needs that of marchd-worker.
 make_revision()
 {
     local folder=$work/revision
 
     rm -rf "$folder"
     dpkg-deb -R "$1" "$folder"
-    sed -i "s/^Version: .*/&$3/" "$folder/DEBIAN/control"
+    sed -i "s/^Version: .*/&$3/; s/marchd-worker (= [^)]*/&$3/" "$folder/DEBIAN/control"
     dpkg-deb --root-owner-group -b "$folder" "$2" >/dev/null
     rm -rf "$folder"
 }
@@ -29,7 +29,7 @@ unowned_files()
 package_installs()
 {
     unowned_files >"$work/before"
-    apt install /root/marchd.deb
+    apt install /root/marchd.deb /root/marchd-worker.deb
     expect "state of the package" "$(inside dpkg-query -W -f '${db:Status-Status}' marchd)" installed
     expect "version" "$(inside marchd --version | head -n 1)" "marchd $(inside dpkg-query -W -f '${Version}' marchd | sed 's/-.*//')"
     inside march help >/dev/null
@@ -75,7 +75,7 @@ upgrade_goes_on()
     list_files upgraded >"$work/list"
     start_second_farm marchd@two
     second=$(inside systemctl show -P MainPID marchd@two)
-    apt install /root/marchd-next.deb
+    apt install /root/marchd-next.deb /root/marchd-worker-next.deb
     [ "$(inside systemctl show -P MainPID marchd@two)" != "$second" ] || fail "the second farm is the old one still"
     expect "second farm" "$(inside systemctl is-active marchd@two.service)" active
     [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"
@@ -89,7 +89,7 @@ upgrade_goes_on()
 purge_leaves_nothing()
 {
     rm -rf "$root/etc/marchd/two.conf" "$root/srv/marchd@two"
-    apt purge marchd
+    apt purge marchd marchd-worker
     expect "processes" "$(inside pgrep -a 'march' || true)" ""
     expect "unit" "$(inside systemctl is-active marchd.service marchd.socket | tr '\n' ' ')" "inactive inactive "
     expect "folders" "$(find "$root/run" "$root/var/lib" "$root/var/cache" "$root/etc" -maxdepth 1 -name 'marchd*')" ""

@@ -2,8 +2,8 @@
 # tests/service.
 # The root is of this machine's Debian release, for which the package is built.
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-# The packages jq and procps are for the test itself; the others are those of any Debian with systemd.
-root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps
+# The packages jq and procps are for the test itself, ssh's for nodes; the others are those of any Debian with systemd.
+root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps,openssh-server,openssh-client
 cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
 
 # find_mirror ARCHIVE: prints the archive's mirror in this machine's own apt sources. It prints nothing where there is
@@ -14,11 +14,11 @@ find_mirror()
         grep -oE "https?://[^ ]+/$1/?( |\$)" | head -n 1 | tr -d ' '
 }
 
-# make_base DEB FILE: packages are fetched but not installed, because installing the right ones is for the .deb's
+# make_base DEB WORKER-DEB FILE: packages are fetched but not installed, because installing the right ones is for the .deb's
 # Depends.
 make_base()
 {
-    local deb=$1 file=$2 mirror security
+    local deb=$1 worker=$2 file=$3 mirror security
     local root=$work/base
 
     mirror=$(find_mirror debian) || true
@@ -32,25 +32,31 @@ make_base()
     ln -s /dev/null "$root/etc/systemd/system/apt-daily.timer"
     ln -s /dev/null "$root/etc/systemd/system/apt-daily-upgrade.timer"
     ln -s /dev/null "$root/etc/systemd/system/console-getty.service"
+    # The machine has the host's network: a check starts an sshd where nobody else is.
+    ln -sf /dev/null "$root/etc/systemd/system/ssh.service"
+    ln -sf /dev/null "$root/etc/systemd/system/ssh.socket"
     # A package built with a security update depends on that version or later.
     [ -z "$security" ] || echo "deb $security $suite-security main" >>"$root/etc/apt/sources.list"
     cp "$deb" "$root/marchd.deb"
-    chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb' \
+    cp "$worker" "$root/marchd-worker.deb"
+    chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb /marchd-worker.deb' \
         >"$work/download.log" 2>&1 ||
         skip "apt could not fetch what the package depends on: $(tail -n 1 "$work/download.log")"
-    rm "$root/marchd.deb"
+    rm "$root/marchd.deb" "$root/marchd-worker.deb"
     tar -C "$root" -cf "$file.$$" . && mv "$file.$$" "$file"
     rm -rf "$root"
 }
 
-# make_root DEB FOLDER: unpacks the root that fits the package's dependencies.
+# make_root DEB WORKER-DEB FOLDER: unpacks the root that fits the package's dependencies.
 make_root()
 {
-    local deb=$1 folder=$2 key file
+    local deb=$1 worker=$2 folder=$3 key file
 
     key=$({
         echo "$suite $root_packages"
-        dpkg-deb --field "$deb" Depends Pre-Depends Recommends
+        for file in "$deb" "$worker"; do
+            dpkg-deb --field "$file" Depends Pre-Depends Recommends | sed 's/marchd-worker (= [^)]*)/marchd-worker/'
+        done
         cat "$here/system/root.sh"
     } | sha256sum | cut -c 1-16)
     file=$cache/root-$key.tar
@@ -58,7 +64,7 @@ make_root()
     {
         flock 8
         if [ ! -f "$file" ]; then
-            make_base "$deb" "$file"
+            make_base "$deb" "$worker" "$file"
             # The newest three roots are kept; older ones are for dependencies that changed.
             find "$cache" -name 'root-*.tar' -printf '%T@ %p\n' | sort -rn | tail -n +4 | cut -d ' ' -f 2- | xargs -r rm -f
         fi

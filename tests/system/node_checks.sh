@@ -1,0 +1,95 @@
+# What other machines are to the service: march-launch's unit, and a node by ssh, which is this machine itself. Sourced by
+# tests/service.
+
+# worker_package_installs: the node's package alone.
+worker_package_installs()
+{
+    apt install /root/marchd-worker.deb
+    inside march-worker --version | grep -q "^march-worker " || fail "march-worker does not run"
+    inside sh -c '! ldd /usr/bin/march-worker | grep "not found"' || fail "libraries are missing"
+    expect "units" "$(find "$root/lib/systemd/system" "$root/usr/lib/systemd" -name 'march*')" ""
+    expect "users" "$(grep -c '^marchd' "$root/etc/passwd")" 0
+    expect "other programs" "$(ls "$root/usr/bin/march" "$root/usr/bin/marchd" 2>/dev/null)" ""
+    # A node without a daemon ends when its stream does.
+    inside sh -c ': | march-worker --node | cat' >"$work/hello"
+    grep -q '^marchd-node {' "$work/hello" || fail "it is no node: $(cat "$work/hello")"
+    apt purge marchd-worker
+    expect "what is left" "$(ls "$root/usr/bin/march-worker" 2>/dev/null)" ""
+}
+
+# start_sshd: on a port of 127.0.0.1, which is in $port. Its only key starts march-worker --node, whatever it is asked for.
+start_sshd()
+{
+    local ssh=$root/etc/marchd/ssh
+
+    inside ssh-keygen -q -t ed25519 -N '' -f /etc/marchd/ssh/id
+    inside sh -c 'chgrp marchd /etc/marchd/ssh/id && chmod 640 /etc/marchd/ssh/id'
+    inside sh -c 'echo "restrict,command=\"/usr/bin/march-worker --node\" $(cat /etc/marchd/ssh/id.pub)" >/etc/ssh/node_keys'
+    inside mkdir -p /run/sshd
+    inside usermod -s /bin/sh marchd
+    until
+        port=$((20000 + RANDOM % 12000))
+        inside systemd-run -q --unit="test-sshd-$port" /usr/sbin/sshd -D -p "$port" -o ListenAddress=127.0.0.1 \
+            -o AuthorizedKeysFile=/etc/ssh/node_keys -o PidFile=none
+        comes_true eval '! inside systemctl is-active -q "test-sshd-$port" || inside journalctl -q -u "test-sshd-$port" -g "Server listening"'
+        inside systemctl is-active -q "test-sshd-$port"
+    do :; done
+    echo "node1 $(cut -d' ' -f1,2 "$root/etc/ssh/ssh_host_ed25519_key.pub")" >"$ssh/known_hosts"
+    printf '%s\n' 'Host node1' "    Port $port" '    HostName 127.0.0.1' '    HostKeyAlias node1' >>"$ssh/config"
+}
+
+node_says() { inside journalctl -q -u marchd.service -o cat -g "$1" >/dev/null; }
+
+node_renders()
+{
+    local id launch port
+
+    start_sshd
+    # A launcher that tries what a march-launch that was taken over could try.
+    cat >"$root/usr/local/bin/probe" <<'END'
+#!/bin/sh
+reach() { "$@" >/dev/null 2>&1 && echo "reaches: $*" >&2; }
+reach ls /var/lib/marchd
+reach ls /var/cache/marchd
+reach ls /srv/marchd
+reach ls /srv/marchd-input
+reach ls /run/marchd
+reach ls /proc/1
+reach ls /home/ann
+reach ls /dev/dri
+reach touch /etc/marchd/probe
+reach touch /usr/bin/probe
+reach cat /etc/shadow
+reach unshare -U true
+cat /etc/marchd/ssh/id >/dev/null && echo "reads its key" >&2
+echo "probe ends" >&2
+END
+    chmod +x "$root/usr/local/bin/probe"
+    cp "$root/etc/marchd/marchd.conf" "$work/conf"
+    set_conf "workers = none" "pool = far launcher=ssh nodes=node1 ssh-config=/etc/marchd/ssh/config" \
+        "pool = probe launcher=command nodes=probe command='/usr/local/bin/probe {node}'"
+    inside systemctl restart marchd.service
+    id=$(submit ann "$(cloud_job 1-3 64 36 faraway)")
+    as ann march wait "$id"
+    landed_once faraway 3
+    expect "who rendered" "$(inside march workers --json | jq -c '[.. | objects | select(.node? == "node1") | .pool]')" '["far"]'
+    # ssh belongs to march-launch's unit, which has a network; the daemon has none, and no keys.
+    launch=$(inside systemctl show -P MainPID march-launch.service)
+    expect "who runs march-launch" "$(inside ps -o user= -p "$launch")" marchd
+    expect "ssh's unit" "$(inside sh -c 'ps -o unit= -p "$(pgrep -x ssh)"')" march-launch.service
+    [ "$(inside readlink "/proc/$(main_pid)/ns/net")" != "$(inside readlink "/proc/$launch/ns/net")" ] || fail "the daemon has a network"
+    inside nsenter -t "$(main_pid)" -m test -e /etc/marchd/ssh/id && fail "the daemon sees the keys of ssh"
+    until_true "the probe has run" node_says "node probe: probe ends"
+    node_says "node probe: reads its key" || fail "march-launch cannot read ssh's key"
+    node_says "node probe: reaches" && fail "$(inside journalctl -q -u marchd.service -o cat -g 'node probe: reaches')"
+    # A stop lets a frame finish on the node, too. The end of the daemon is the end of the node.
+    id=$(submit ann "$(cloud_job 1 480 270 lastfar)")
+    until_true "its frame is being rendered" eval '[ "$(job_field ann '"$id"' .running)" = 1 ]'
+    inside systemctl stop marchd.socket marchd.service
+    landed_once lastfar 1
+    until_true "nothing is left of the node" eval '[ -z "$(inside pgrep -f "march-worker|march-launch" || true)" ]'
+    cp "$work/conf" "$root/etc/marchd/marchd.conf"
+    inside systemctl start marchd.socket marchd.service
+    inside systemctl stop "test-sshd-$port"
+    inside sh -c 'rm -f /etc/marchd/ssh/id* /etc/marchd/ssh/known_hosts /etc/ssh/node_keys /usr/local/bin/probe'
+}
