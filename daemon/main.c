@@ -21,6 +21,9 @@
 
 enum { EXIT_USAGE = 2 };
 
+// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to seven of them.
+static const char thread_count[] = "16";
+
 static void find_program_folder(char folder[static PATH_MAX])
 {
     ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
@@ -88,6 +91,7 @@ static int run(struct options *options, struct command_line *line)
     journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
+    setenv("UV_THREADPOOL_SIZE", thread_count, 0);
     // Settings have just been read, and a start may wait for long; of a terminal the signal means its end.
     if (!isatty(STDERR_FILENO)) signal(SIGHUP, SIG_IGN);
     if (!opening_check_new(options, &error)) {

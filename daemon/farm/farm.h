@@ -21,6 +21,7 @@ struct memory_return;
 struct options;
 struct publisher;
 struct reload_changes;
+struct root_desks;
 struct store_reader;
 struct sweeper;
 struct work_desk;
@@ -39,7 +40,8 @@ typedef bool farm_reload(void *user, const char *asked_by, struct reload_changes
 struct farm {
     uv_loop_t *loop;
     struct loop_turns *turns;
-    struct work_desk *work; // what requests do off the loop
+    struct work_desk *work;        // what requests do off the loop
+    struct root_desks *root_desks; // what jobs do in output roots, likewise
     struct memory_return *memory;
     const struct options *options;
     struct store_reader *reader; // for small reads on the loop

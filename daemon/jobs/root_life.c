@@ -9,11 +9,14 @@
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_desks.h"
+#include "daemon/loop/work_desk.h"
 #include "daemon/output/intent.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -22,7 +25,7 @@ enum { DOUBT_LIMIT = 3 };
 struct output_check {
     struct farm *farm;         // borrowed; outlives us
     struct job_record *record; // held
-    uv_work_t work;
+    struct work_piece piece;
     enum root_life_cause cause;
     char *why;                   // owned; NULL: none
     struct store_frame *intents; // owned
@@ -32,8 +35,8 @@ struct output_check {
     struct error error;
 };
 
-static void on_check_run(uv_work_t *work);
-static void on_check_done(uv_work_t *work, int status);
+static void on_check_run(struct work_piece *piece);
+static void on_check_done(struct work_piece *piece, bool was_run);
 
 // Lets frames of the job be taken, or not, as its root and its check say.
 static void settle(struct farm *farm, struct job_record *record)
@@ -109,14 +112,14 @@ void root_life_check(struct farm *farm, struct job_record *record, enum root_lif
                                    .why = why ? xstrdup(why) : NULL,
                                    .intents = record->intents,
                                    .intent_count = record->intent_count,
-                                   .work.data = check};
+                                   .piece = {.run = on_check_run, .done = on_check_done, .uid = record->owner_uid}};
     record->intents = NULL;
     record->intent_count = record->intent_capacity = 0;
     job_record_hold(record);
     record->is_output_checked = true;
     farm->output_checks++;
     settle(farm, record);
-    uv_queue_work(farm->loop, &check->work, on_check_run, on_check_done);
+    root_desks_put(farm->root_desks, record->output_root, &check->piece);
 }
 
 static void settle_intents(struct output_check *check, int folder_fd)
@@ -130,9 +133,14 @@ static void settle_intents(struct output_check *check, int folder_fd)
     }
 }
 
-static void on_check_run(uv_work_t *work)
+static struct output_check *check_of(struct work_piece *piece)
 {
-    struct output_check *check = work->data;
+    return (struct output_check *)((char *)piece - offsetof(struct output_check, piece));
+}
+
+static void on_check_run(struct work_piece *piece)
+{
+    struct output_check *check = check_of(piece);
     const struct job_record *record = check->record;
     bool create = check->cause == ROOT_LIFE_FOLDER_WANTED;
     int root_fd = output_root_open(record->root, record->output_root->id, &check->error), fd = -1;
@@ -220,12 +228,12 @@ static void judge(const struct output_check *check)
     }
 }
 
-static void on_check_done(uv_work_t *work, int status)
+static void on_check_done(struct work_piece *piece, bool was_run)
 {
-    struct output_check *check = work->data;
+    struct output_check *check = check_of(piece);
     struct job_record *record = check->record;
 
-    (void)status;
+    (void)was_run; // it always is
     check->farm->output_checks--;
     record->is_output_checked = false;
     if (!record->is_removed) {

@@ -17,6 +17,7 @@
 #include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_desks.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/output/output_claims.h"
@@ -37,7 +38,7 @@
 struct job_submit {
     struct farm *farm;     // borrowed; outlives us
     struct answer *answer; // owned
-    uv_work_t work;
+    struct work_piece piece;
     struct store_job row;      // owned, until it moves into the commit
     struct frame_range frames; // owned
     struct root *output_root;  // borrowed from the farm
@@ -64,8 +65,8 @@ struct job_submit {
 };
 
 static void on_document_read(struct job_document *reading, bool was_read);
-static void on_folder_run(uv_work_t *work);
-static void on_folder_done(uv_work_t *work, int status);
+static void on_folder_run(struct work_piece *piece);
+static void on_folder_done(struct work_piece *piece, bool was_run);
 static bool on_step(struct loop_task *task);
 static void on_committed(void *user, bool ok, const struct error *error);
 
@@ -287,7 +288,7 @@ static void begin(struct job_submit *submit)
         submit->next = farm->waiting_submits;
         farm->waiting_submits = submit;
     } else {
-        uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
+        root_desks_put(farm->root_desks, submit->output_root, &submit->piece);
     }
 }
 
@@ -337,7 +338,7 @@ static bool begin_submit(struct request *request, struct job_document *reading)
         output_older_begin(&submit->older, &request->farm->jobs, &submit->claim.files, submit->hash);
     submit->task.step = on_step;
     output_claims_add(request->farm, &submit->claim);
-    submit->work.data = submit;
+    submit->piece = (struct work_piece){.run = on_folder_run, .done = on_folder_done, .uid = submit->row.owner_uid};
     begin(submit);
     return true;
 }
@@ -358,9 +359,9 @@ static int code_of(int errnum, enum message_code fault)
     return error_is_shortage(errnum) ? MESSAGE_CODE_INTERNAL : fault;
 }
 
-static void on_folder_run(uv_work_t *work)
+static void on_folder_run(struct work_piece *piece)
 {
-    struct job_submit *submit = work->data;
+    struct job_submit *submit = (struct job_submit *)((char *)piece - offsetof(struct job_submit, piece));
     int folder;
 
     for (size_t i = 0; i < submit->inputs.count; i++) {
@@ -413,11 +414,11 @@ static void end_checks(struct job_submit *submit)
     committer_put(submit->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, submit);
 }
 
-static void on_folder_done(uv_work_t *work, int status)
+static void on_folder_done(struct work_piece *piece, bool was_run)
 {
-    struct job_submit *submit = work->data;
+    struct job_submit *submit = (struct job_submit *)((char *)piece - offsetof(struct job_submit, piece));
 
-    (void)status;
+    (void)was_run; // it always is
     loop_turns_put(submit->farm->turns, &submit->task);
 }
 

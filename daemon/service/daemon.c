@@ -16,6 +16,7 @@
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/job_retry.h"
 #include "daemon/jobs/late_sweep.h"
+#include "daemon/jobs/root_desks.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/memory_return.h"
@@ -110,6 +111,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
 
     farm->turns = loop_turns_open(farm->loop);
     farm->work = work_desk_create(farm->loop);
+    farm->root_desks = root_desks_create(farm->loop);
     farm->memory = memory_return_open(farm->loop);
     farm->committer = committer_create(farm->loop, daemon->store);
     committer_watch(farm->committer, on_store_trouble, daemon);
@@ -233,6 +235,7 @@ void daemon_destroy(struct daemon *daemon)
     publisher_destroy(farm->checker);
     publisher_destroy(farm->publisher);
     committer_destroy(farm->committer);
+    root_desks_destroy(farm->root_desks);
     work_desk_destroy(farm->work);
     queue_destroy(farm->queue);
     job_table_finish(&farm->jobs);
