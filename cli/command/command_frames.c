@@ -56,7 +56,7 @@ static void print_end(const struct json_node *frame)
     if (phase && progress > 0)
         printf("  %s %.0f %%", phase, 100 * progress);
     else
-        printf("  %s", phase ? phase : why ? why : text_of(frame, "path", "-"));
+        printf("  %s", phase ? phase : why ? why : text_of(frame, "path", node ? "in hand" : "-"));
     printf("%s%s\n", node ? " on " : "", node ? node : "");
 }
 

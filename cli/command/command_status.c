@@ -92,6 +92,14 @@ static void print_drain(const struct json_node *status)
     printf("%-12s by %s since %s: no frame is begun until `march undrain` or a restart\n", "drained", name, time);
 }
 
+// Farms of one machine have none.
+static void print_nodes(const struct json_node *status)
+{
+    struct json_node nodes = json_node_child(status, "nodes");
+
+    if (read_number(&nodes, "up") + read_number(&nodes, "waiting") > 0) print_counts("nodes", status, "nodes");
+}
+
 static void print_status(const struct json_node *status)
 {
     struct json_node store = json_node_child(status, "store");
@@ -105,6 +113,7 @@ static void print_status(const struct json_node *status)
     print_counts("jobs", status, "jobs");
     print_counts("frames", status, "frames");
     printf("%-12s %.0f\n", "workers", read_number(status, "workers"));
+    print_nodes(status);
     print_texts("output root", status, "output_roots");
     print_trouble(status);
     print_texts("input root", status, "input_roots");

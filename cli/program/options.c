@@ -83,6 +83,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_ALL] = {"all", KIND_FLAG, FIELD(all), NULL, 0, 0, "all jobs, of all owners"},
     [OPTION_OWNER] = {"owner", KIND_TEXT, FIELD(owner), "NAME", 0, 0, "the jobs of this user"},
     [OPTION_YES] = {"yes", KIND_FLAG, FIELD(yes), NULL, 0, 0, "do it without a question"},
+    [OPTION_NODES] = {"nodes", KIND_FLAG, FIELD(nodes), NULL, 0, 0, "a line for each node, not for each worker"},
     [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
                       "render also frames whose files are there, whole and of this job"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,

@@ -51,6 +51,7 @@ enum option {
     OPTION_ALL,
     OPTION_OWNER,
     OPTION_YES,
+    OPTION_NODES,
     OPTION_COUNT
 };
 
@@ -58,7 +59,7 @@ enum option {
 
 // Strings are borrowed from argv; `range` is a valid frame range. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes, nodes;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
         *plan_of, *preview, *owner, *pool;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s;

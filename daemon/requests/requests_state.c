@@ -112,6 +112,17 @@ static void write_turns(const struct farm *farm, struct json_writer *writer)
     json_write_end_object(writer);
 }
 
+static void write_nodes(const struct farm *farm, struct json_writer *writer)
+{
+    int up, waiting;
+
+    worker_pool_count_nodes(farm->pool, &up, &waiting);
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "up", up);
+    json_write_integer_member(writer, "waiting", waiting);
+    json_write_end_object(writer);
+}
+
 enum request_outcome requests_daemon_status(struct request *request)
 {
     const struct farm *farm = request->farm;
@@ -133,6 +144,8 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_key(writer, "frames");
     write_frame_counts(farm, writer);
     json_write_integer_member(writer, "workers", worker_pool_slot_count(farm->pool));
+    json_write_key(writer, "nodes");
+    write_nodes(farm, writer);
     json_write_key(writer, "drain");
     write_drain(farm, writer);
     json_write_key(writer, "loop");

@@ -21,6 +21,16 @@ void worker_counts_find_ready(const struct worker_slot *slots, int slot_count, i
         ready[slots[i].seat.kind] += is_ready(&slots[i]);
 }
 
+// The slots of a node follow one another.
+void worker_counts_find_nodes(const struct worker_slot *slots, int slot_count, int *up, int *waiting)
+{
+    *up = *waiting = 0;
+    for (int i = 0; i < slot_count; i++) {
+        if (!slots[i].node || (i > 0 && slots[i - 1].node == slots[i].node)) continue;
+        *(worker_nodes_are_ready(&slots[i]) ? up : waiting) += 1;
+    }
+}
+
 int worker_counts_find_usable(const struct worker_slot *slots, int slot_count, uint64_t barred, int64_t now_ms)
 {
     int count = 0;

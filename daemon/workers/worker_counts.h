@@ -11,6 +11,8 @@ struct worker_slot;
 
 // Counts the workers that can be assigned frames, by the kinds of their seats.
 void worker_counts_find_ready(const struct worker_slot *slots, int slot_count, int ready[static TURNS_KIND_LIMIT]);
+// Counts the nodes that take workers, and those that are waited for.
+void worker_counts_find_nodes(const struct worker_slot *slots, int slot_count, int *up, int *waiting);
 // Of the slots whose kinds are not barred, those that do not back off: ready, or soon.
 int worker_counts_find_usable(const struct worker_slot *slots, int slot_count, uint64_t barred, int64_t now_ms);
 // Why no worker can be assigned frames of the job (NULL: of any); NULL when one can. Owned by the caller.

@@ -398,6 +398,11 @@ void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TU
     worker_counts_find_ready(pool->slots, pool->slot_count, ready);
 }
 
+void worker_pool_count_nodes(const struct worker_pool *pool, int *up, int *waiting)
+{
+    worker_counts_find_nodes(pool->slots, pool->slot_count, up, waiting);
+}
+
 int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred)
 {
     return worker_counts_find_usable(pool->slots, pool->slot_count, barred, farm_now_ms(pool->farm));

@@ -41,6 +41,7 @@ void worker_pool_destroy(struct worker_pool *pool);        // after the loop clo
 int worker_pool_slot_count(const struct worker_pool *pool);
 // As the functions of worker_counts.h.
 void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TURNS_KIND_LIMIT]);
+void worker_pool_count_nodes(const struct worker_pool *pool, int *up, int *waiting);
 int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred);
 char *worker_pool_format_trouble(const struct worker_pool *pool, const struct job_record *record);
 // The worker in slot `index` if it can be assigned frames, else NULL.

@@ -34,6 +34,9 @@ idle() { [ "$(ask worker.list | jq -c '[.result.workers[].state] | unique')" = '
 
 start "pool = far nodes=anna=2 tags=gpu,big $launcher" "pool = local tags=cpu"
 wait_until "all workers are idle" idle
+expect "a line for each node" "$("$bin/march" workers --nodes --socket "$socket" | awk '{ print $1, $2, $3, $4 }')" \
+    $'POOL NODE WORKERS DONE\nlocal - 1 idle\nfar anna 2 idle'
+expect "nodes, by march status" "$("$bin/march" status --socket "$socket" | grep '^nodes')" "nodes        1 up"
 
 # By name and by tag; a job that asks for none goes anywhere.
 here=$(submit "$(job 1-20 "$(to here cpu)")")
@@ -95,6 +98,7 @@ wait_state "$id" succeeded
 stop_daemon
 start "pool = far nodes=anna tags=gpu command=/bin/false"
 wait_until "its node fails" eval '[[ "$(field "$waiting" .reason)" == "no worker of pool gpu is ready: node anna: "* ]]'
+expect "nodes" "$(ask daemon.status | jq -c .result.nodes)" '{"up":0,"waiting":1}'
 stop_daemon
 start "pool = far nodes=anna tags=gpu $launcher"
 wait_state "$waiting" succeeded
