@@ -20,6 +20,7 @@
 #include <string.h>
 
 enum {
+    HOST_SIZE = 255,       // bytes of a machine's name
     ANSWER_MS = 60 * 1000, // so long a launcher, or a look at the folders, may take
     BEATS = 4,             // beats in the time after which silence is an end
     BANNER_LINES = 1000    // lines that shells may print first
@@ -78,6 +79,15 @@ void node_destroy(struct node *node)
     free(node);
 }
 
+// What a node or its launcher says is one line, without what steers a terminal.
+static char *make_plain(char *text)
+{
+    log_disarm(text);
+    for (char *at = text; *at; at++)
+        if (*at == '\n' || *at == '\t') *at = ' ';
+    return text;
+}
+
 static void set_reason(struct node *node, char *reason)
 {
     free(node->reason);
@@ -96,7 +106,7 @@ static void lose(struct node *node, const char *reason)
 {
     const char *text = node->launch ? node_launch_last_text(node->launch) : "";
     bool was_ready = node->state == NODE_READY;
-    char *full = xasprintf("node %s: %s%s%s", node->params.name, reason, *text ? ": " : "", text);
+    char *full = make_plain(xasprintf("node %s: %s%s%s", node->params.name, reason, *text ? ": " : "", text));
 
     if (!node->is_stopping) log_about(node->is_dismissed ? LOG_INFO : LOG_WARN, &(struct log_subject){0}, "%s", full);
     node->state = NODE_DOWN;
@@ -244,7 +254,7 @@ static bool suits(struct node *node, const struct json_node *hello, struct error
     if (!json_read_string(&host, &host_text, error) || !json_read_integer(&landlock, 0, INT_MAX, &landlock_abi, error))
         return false;
     free(node->host);
-    node->host = xstrdup(host_text);
+    node->host = make_plain(xstrndup(host_text, HOST_SIZE));
     if (landlock_abi > 0 || !node->params.pool->wants_landlock) return true;
     (void)json_read_string(&lack, &lack_text, NULL);
     error_set(error, "%s: expected landlock, or landlock=optional in pool %s", lack_text, node->params.pool->name);

@@ -86,6 +86,7 @@ wait_state "$id" succeeded
 kill -CONT "$pid" 2>/dev/null
 wait_until "the old node is gone" is_gone "$pid"
 wait_until "its workers are gone" all_gone "$children"
+wait_until "what it wrote on is removed" eval '[ -z "$(find "$scratch/out/still" -name "*.part")" ]'
 expect_files "still" 200
 
 # What a node that is not heard goes on to write is removed, though its job is over by then.
@@ -100,7 +101,7 @@ wait_until "its silence is noticed" eval '[[ "$(workers .reason)" == *"node anna
 ask job.cancel "{\"id\":$id}" >/dev/null
 wait_until "the late file is there" eval '[ -n "$(ls "$scratch/out/late")" ]'
 wait_until "the late file is removed" eval '[ -z "$(ls "$scratch/out/late")" ]'
-kill -CONT "$pid"
+kill -CONT "$pid" 2>/dev/null
 wait_until "the old node is gone" is_gone "$pid"
 stop_daemon
 start_nodes anna=2,ben write:20
@@ -128,19 +129,21 @@ old) echo 'marchd-node {"protocol":1,"version":"0.0.1","host":"old","landlock":7
 weak) sleep 1 | "$2" --node | sed 's/"landlock":[0-9]*,"lack":null/"landlock":0,"lack":"no landlock in this kernel"/' ;;
 wall) echo "permission denied" >&2; exit 255 ;;
 odd) echo 'marchd-node {"protocol":' ;;
+evil) printf '%s\n' 'marchd-node {"protocol":1,"version":"1\n<2>forged: \u001b[31m","host":"x","landlock":7}' ;;
 esac
 sleep 1
 END
 chmod +x "$scratch/other"
-start_daemon --workers none --pool "far launcher=command nodes=old,weak,wall,odd command='$scratch/other {node} $bin/march-worker'" \
+start_daemon --workers none --pool "far launcher=command nodes=old,weak,wall,odd,evil command='$scratch/other {node} $bin/march-worker'" \
     --pool "none launcher=command nodes=a command='$scratch/no-such-program'"
 wait_until "they are refused" eval '[[ "$(workers .reason)" != *"it has not answered"* ]]'
 reasons=$(workers .reason)
 for reason in "node old: it has march-worker 0.0.1 (protocol 1), this is marchd" \
     "node weak: no landlock in this kernel: expected landlock, or landlock=optional in pool far" \
-    "permission denied" "node odd: line 1" "no-such-program: no such file"; do
+    "permission denied" "node odd: line 1" "node evil: it has march-worker 1 <2>forged: ?[31m (protocol 1)" "no-such-program: no such file"; do
     [[ $reasons == *"$reason"* ]] || fail "expected \"$reason\" among $reasons"
 done
+! grep -q '^<2>forged' "$scratch/daemon.log" || fail "a node writes lines of the log"
 expect "states" "$(workers .state | jq -c unique)" '["waiting"]'
 id=$(submit "$(job 1-3 '.output.path = "never/n.####.exr"')")
 [[ $(field "$id" .reason) == "no worker is ready: node old: "* ]] || fail "reason: $(field "$id" .reason)"
