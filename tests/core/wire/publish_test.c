@@ -130,14 +130,16 @@ static void part_that_is_seen_late_is_awaited(void **state)
     struct late_part late = {.state = state, .file = write_file(state, "hidden", "picture")};
     int fd = open_folder(state);
     pthread_t writer;
+    bool is_published;
 
     publish_await(fd, part, &late.file, 0);
     assert_false(publish_file(fd, part, name, &late.file, NULL));
     write_file(state, part, "an older one");
     assert_int_equal(pthread_create(&writer, NULL, write_later, &late), 0);
     publish_await(fd, part, &late.file, 60 * 1000);
-    assert_true(publish_file(fd, part, name, &late.file, NULL));
+    is_published = publish_file(fd, part, name, &late.file, NULL);
     pthread_join(writer, NULL);
+    assert_true(is_published);
     close(fd);
 }
 
