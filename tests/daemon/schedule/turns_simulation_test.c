@@ -5,6 +5,7 @@
 #include "daemon/schedule/turns.h"
 #include "tests/support/assert_near.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -217,6 +218,31 @@ static void nothing_waits_for_ever(void **state)
     sim_finish(&sim);
 }
 
+// Anna may use the workers of one pool, Ben all four: she gets her half, or all of a pool that is smaller.
+static void owners_share_workers_whatever_pools_they_may_use(void **state)
+{
+    for (int pool = 1; pool <= WORKER_LIMIT; pool++) {
+        struct sim sim = sim_start(WORKER_LIMIT);
+        double share = fmin(0.5, (double)pool / WORKER_LIMIT), found;
+
+        for (int i = 0; i < pool; i++)
+            sim.workers[i].seat.kind = 7;
+        for (int i = 0; i < 100; i++) {
+            struct turns_job *job = &submit(&sim, 1, 50, 10000, 170)->turn;
+
+            turns_set_ready(sim.turns, job, false);
+            job->barred = ~(UINT64_C(1) << 7);
+            turns_set_ready(sim.turns, job, true);
+        }
+        flood(&sim, 2, 100, 10000, 230);
+        run(&sim, 3600 * 1000);
+        found = (double)sim.worked_ms[1] / (double)(sim.worked_ms[1] + sim.worked_ms[2]);
+        assert_near(found, share, 0.02);
+        assert_true(sim.worked_ms[1] + sim.worked_ms[2] > WORKER_LIMIT * 3600 * 1000 * 9 / 10); // none stands idle
+        sim_finish(&sim);
+    }
+}
+
 enum { ANNA = 1, BEN, CARL };
 
 // Seconds that are told of the job, beside another owner's one and behind one of a higher priority (NULL: none).
@@ -284,6 +310,7 @@ int main(void)
         cmocka_unit_test(changes_take_a_twentieth_at_most),
         cmocka_unit_test(two_owners_of_two_workers_do_not_swap_them),
         cmocka_unit_test(nothing_waits_for_ever),
+        cmocka_unit_test(owners_share_workers_whatever_pools_they_may_use),
         cmocka_unit_test(what_is_told_of_two_owners_is_how_long_they_take),
     };
 
