@@ -13,7 +13,7 @@ fi
 . "$here/tests/process/farm.sh"
 chmod 711 "$scratch"
 cluster=$scratch/cluster
-parts=" ${*:-frames restart} "
+parts=" ${*:-frames restart walled} "
 workers=2 # on each machine
 worker=$(stub write:200)
 as_daemon=(env "PATH=$scratch/commands:$PATH")
@@ -29,8 +29,9 @@ chmod +x "$scratch/node"
 # start_farm KEY=VALUE...: a daemon whose only workers are Slurm's.
 start_farm()
 {
-    start_daemon --workers none --pool "far launcher=slurm workers=$workers gres=gpu:$workers max=3 heartbeat=5 idle=2 keep=10 program=$scratch/node $*"
+    start_daemon --workers none --pool "$(pool "$@")"
 }
+pool() { echo "far launcher=slurm workers=$workers gres=gpu:$workers max=3 heartbeat=5 idle=2 keep=10 program=$scratch/node $*"; }
 
 workers() { ask worker.list | jq -c "[.result.workers[] | $1]"; }
 idle_count() { workers 'select(.state == "idle" or .state == "busy")' | jq length; }
@@ -96,6 +97,29 @@ restart()
     never_failed "$id"
     stop_daemon
     wait_until "nothing is left behind" has_jobs 0
+}
+
+# A daemon without a network asks march-launch, which has one, for every command of Slurm's.
+walled()
+{
+    local id conf=$scratch/marchd.conf launch=$scratch/launch.sock launch_pid
+
+    echo "pool = $(pool)" >"$conf"
+    env "PATH=$scratch/commands:$PATH" "$bin/march-launch" --config "$conf" --socket "$launch" &
+    launch_pid=$!
+    wait_until "march-launch listens" test -S "$launch"
+    as_daemon+=(unshare --net)
+    start_daemon --workers none --config "$conf" --launch-socket "$launch"
+    [ "$(readlink "/proc/$daemon_pid/ns/net")" != "$(readlink /proc/$$/ns/net)" ] || fail "the daemon has a network"
+    id=$(submit "$(job 1-60 '.output.path = "walled/w.####.exr"')")
+    wait_state "$id" succeeded
+    expect_files walled 60
+    never_failed "$id"
+    [ -z "$(pgrep -P "$daemon_pid")" ] || fail "the daemon starts commands itself"
+    [ -n "$(pgrep -P "$launch_pid")" ] || fail "march-launch starts no commands"
+    wait_until "the machines are given back" has_jobs 0
+    stop_daemon
+    kill "$launch_pid"
 }
 
 for part in $parts; do
