@@ -21,7 +21,8 @@
 
 enum { EXIT_USAGE = 2 };
 
-// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to seven of them.
+// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to six of them, and a
+// deletion one.
 static const char thread_count[] = "16";
 
 static void find_program_folder(char folder[static PATH_MAX])

@@ -22,17 +22,25 @@ struct publish_list {
     size_t count, capacity;
 };
 
+// What is published in one output root: one that hangs holds up itself.
+struct publish_lane {
+    struct publisher *publisher;
+    const struct root *root; // borrowed; outlives us
+    uv_work_t work;
+    struct publish_list intended;  // intents on disk, to be renamed next
+    struct publish_list in_flight; // used by the working thread
+    bool is_working;
+    struct publish_lane *next; // on the publisher's list
+};
+
 struct publisher {
     uv_loop_t *loop;             // borrowed; outlives us
     const char *farm;            // borrowed; outlives us; the farm's id
     struct committer *committer; // borrowed; outlives us
     publisher_on_done *on_done;
-    void *user; // borrowed
-    uv_work_t work;
-    struct publish_list intended;  // intents on disk, to be renamed next
-    struct publish_list in_flight; // used by the working thread
-    size_t uncommitted;            // requests whose intent is being committed
-    bool is_working;
+    void *user;                 // borrowed
+    struct publish_lane *lanes; // owned
+    size_t uncommitted;         // requests whose intent is being committed
 };
 
 // The publisher and the request while the intent is committed.
@@ -42,7 +50,7 @@ struct publish_intent {
 };
 
 static void on_intent_committed(void *user, bool ok, const struct error *error);
-static void start_batch(struct publisher *publisher);
+static void start_batch(struct publish_lane *lane);
 static void on_publish_run(uv_work_t *work);
 static void on_publish_done(uv_work_t *work, int status);
 
@@ -56,16 +64,21 @@ struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct com
     publisher->committer = committer;
     publisher->on_done = on_done;
     publisher->user = user;
-    publisher->work.data = publisher;
     return publisher;
 }
 
 void publisher_destroy(struct publisher *publisher)
 {
+    struct publish_lane *lane;
+
     if (!publisher) return;
-    assert(!publisher->is_working && publisher->intended.count == 0);
-    free(publisher->intended.requests);
-    free(publisher->in_flight.requests);
+    assert(publisher_is_idle(publisher));
+    while ((lane = publisher->lanes)) {
+        publisher->lanes = lane->next;
+        free(lane->intended.requests);
+        free(lane->in_flight.requests);
+        free(lane);
+    }
     free(publisher);
 }
 
@@ -96,6 +109,24 @@ static void list_add(struct publish_list *list, struct publish_request *request)
     list->requests[list->count++] = request;
 }
 
+// Begins to publish the request, whose intent is on disk or not needed.
+static void put_in_lane(struct publisher *publisher, struct publish_request *request)
+{
+    const struct root *root = request->record->output_root;
+    struct publish_lane *lane = publisher->lanes;
+
+    while (lane && lane->root != root)
+        lane = lane->next;
+    if (!lane) {
+        lane = xcalloc(1, sizeof *lane);
+        *lane = (struct publish_lane){.publisher = publisher, .root = root, .next = publisher->lanes};
+        lane->work.data = lane;
+        publisher->lanes = lane;
+    }
+    list_add(&lane->intended, request);
+    start_batch(lane);
+}
+
 void publisher_put(struct publisher *publisher, const struct publish_request *request)
 {
     struct publish_intent *intent = xmalloc(sizeof *intent);
@@ -113,18 +144,25 @@ void publisher_put_found(struct publisher *publisher, const struct publish_reque
 
     *copy = *request;
     copy->is_found = true;
-    list_add(&publisher->intended, copy);
-    start_batch(publisher);
+    put_in_lane(publisher, copy);
 }
 
 bool publisher_is_idle(const struct publisher *publisher)
 {
-    return publisher->uncommitted == 0 && publisher->intended.count == 0 && !publisher->is_working;
+    const struct publish_lane *lane = publisher->lanes;
+
+    while (lane && lane->intended.count == 0 && !lane->is_working)
+        lane = lane->next;
+    return publisher->uncommitted == 0 && !lane;
 }
 
 bool publisher_is_full(const struct publisher *publisher)
 {
-    return publisher->uncommitted + publisher->intended.count >= PUBLISHER_FULL;
+    size_t count = publisher->uncommitted;
+
+    for (const struct publish_lane *lane = publisher->lanes; lane; lane = lane->next)
+        count += lane->intended.count;
+    return count >= PUBLISHER_FULL;
 }
 
 static void on_intent_committed(void *user, bool ok, const struct error *error)
@@ -133,23 +171,22 @@ static void on_intent_committed(void *user, bool ok, const struct error *error)
     struct publisher *publisher = intent->publisher;
 
     publisher->uncommitted--;
-    list_add(&publisher->intended, intent->request);
+    put_in_lane(publisher, intent->request);
     free(intent);
-    start_batch(publisher);
 }
 
-static void start_batch(struct publisher *publisher)
+static void start_batch(struct publish_lane *lane)
 {
-    struct publish_list *waiting = &publisher->intended;
+    struct publish_list *waiting = &lane->intended;
     size_t count = waiting->count < PUBLISHER_BATCH ? waiting->count : PUBLISHER_BATCH;
 
-    if (publisher->is_working || count == 0) return;
+    if (lane->is_working || count == 0) return;
     for (size_t i = 0; i < count; i++)
-        list_add(&publisher->in_flight, waiting->requests[i]);
+        list_add(&lane->in_flight, waiting->requests[i]);
     waiting->count -= count;
     memmove(waiting->requests, waiting->requests + count, waiting->count * sizeof(struct publish_request *));
-    publisher->is_working = true;
-    uv_queue_work(publisher->loop, &publisher->work, on_publish_run, on_publish_done);
+    lane->is_working = true;
+    uv_queue_work(lane->publisher->loop, &lane->work, on_publish_run, on_publish_done);
 }
 
 static int compare_requests(const void *a, const void *b)
@@ -231,28 +268,29 @@ static void publish_group(const char *farm, struct publish_request **requests, s
 
 static void on_publish_run(uv_work_t *work)
 {
-    struct publisher *publisher = work->data;
-    struct publish_list *list = &publisher->in_flight;
+    struct publish_lane *lane = work->data;
+    struct publish_list *list = &lane->in_flight;
     size_t first = 0;
 
     qsort(list->requests, list->count, sizeof(struct publish_request *), compare_requests);
     for (size_t i = 1; i <= list->count; i++) {
         if (i < list->count && list->requests[i]->ticket.job == list->requests[first]->ticket.job) continue;
-        publish_group(publisher->farm, list->requests + first, i - first);
+        publish_group(lane->publisher->farm, list->requests + first, i - first);
         first = i;
     }
 }
 
 static void on_publish_done(uv_work_t *work, int status)
 {
-    struct publisher *publisher = work->data;
+    struct publish_lane *lane = work->data;
+    struct publisher *publisher = lane->publisher;
 
-    publisher->is_working = false;
-    for (size_t i = 0; i < publisher->in_flight.count; i++) {
-        publisher->on_done(publisher->user, publisher->in_flight.requests[i]);
-        free(publisher->in_flight.requests[i]->error);
-        free(publisher->in_flight.requests[i]);
+    lane->is_working = false;
+    for (size_t i = 0; i < lane->in_flight.count; i++) {
+        publisher->on_done(publisher->user, lane->in_flight.requests[i]);
+        free(lane->in_flight.requests[i]->error);
+        free(lane->in_flight.requests[i]);
     }
-    publisher->in_flight.count = 0;
-    start_batch(publisher);
+    lane->in_flight.count = 0;
+    start_batch(lane);
 }

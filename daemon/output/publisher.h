@@ -1,4 +1,5 @@
-// Publishes finished files: commits the intent, then renames in batches off the loop, with one sync per folder.
+// Publishes finished files: commits the intent, then renames in batches off the loop, with one sync per folder. Each
+// output root has a thread of its own.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

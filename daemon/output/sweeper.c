@@ -18,20 +18,28 @@ struct sweep_task {
     struct job_record *record;   // borrowed; outlives us
     char part[OUTPUT_NAME_SIZE]; // empty: all part files of the job
     bool was_away;               // result
-    struct sweep_task *next;     // on the sweeper's queue
+    struct sweep_task *next;     // on the lane's queue
+};
+
+// What is swept in one output root: one that hangs holds up itself.
+struct sweep_lane {
+    struct sweeper *sweeper;
+    const struct root *root; // borrowed; outlives us
+    uv_work_t work;
+    struct sweep_task *first, *last; // waiting tasks; the working thread uses `in_flight`
+    struct sweep_task *in_flight;
+    struct sweep_lane *next; // on the sweeper's list
 };
 
 struct sweeper {
     uv_loop_t *loop;  // borrowed; outlives us
     const char *farm; // borrowed; outlives us; the farm's id
     sweeper_on_done *on_swept;
-    void *user; // borrowed
-    uv_work_t work;
-    struct sweep_task *first, *last; // waiting tasks; the working thread uses `in_flight`
-    struct sweep_task *in_flight;
+    void *user;               // borrowed
+    struct sweep_lane *lanes; // owned
 };
 
-static void start_next(struct sweeper *sweeper);
+static void start_next(struct sweep_lane *lane);
 static void on_sweep_run(uv_work_t *work);
 static void on_sweep_done(uv_work_t *work, int status);
 
@@ -43,30 +51,54 @@ struct sweeper *sweeper_create(uv_loop_t *loop, const char *farm, sweeper_on_don
     sweeper->farm = farm;
     sweeper->on_swept = on_swept;
     sweeper->user = user;
-    sweeper->work.data = sweeper;
     return sweeper;
 }
 
 void sweeper_destroy(struct sweeper *sweeper)
 {
+    struct sweep_lane *lane;
+
     if (!sweeper) return;
     assert(sweeper_is_idle(sweeper));
+    while ((lane = sweeper->lanes)) {
+        sweeper->lanes = lane->next;
+        free(lane);
+    }
     free(sweeper);
 }
 
 bool sweeper_is_idle(const struct sweeper *sweeper)
 {
-    return !sweeper->first && !sweeper->in_flight;
+    const struct sweep_lane *lane = sweeper->lanes;
+
+    while (lane && !lane->in_flight)
+        lane = lane->next;
+    return !lane;
+}
+
+static struct sweep_lane *find_lane(struct sweeper *sweeper, const struct root *root)
+{
+    struct sweep_lane *lane = sweeper->lanes;
+
+    while (lane && lane->root != root)
+        lane = lane->next;
+    if (lane) return lane;
+    lane = xcalloc(1, sizeof *lane);
+    *lane = (struct sweep_lane){.sweeper = sweeper, .root = root, .next = sweeper->lanes};
+    lane->work.data = lane;
+    return sweeper->lanes = lane;
 }
 
 static void add_task(struct sweeper *sweeper, struct sweep_task *task)
 {
-    if (sweeper->last)
-        sweeper->last->next = task;
+    struct sweep_lane *lane = find_lane(sweeper, task->record->output_root);
+
+    if (lane->last)
+        lane->last->next = task;
     else
-        sweeper->first = task;
-    sweeper->last = task;
-    start_next(sweeper);
+        lane->first = task;
+    lane->last = task;
+    start_next(lane);
 }
 
 void sweeper_remove_part(struct sweeper *sweeper, const struct job_record *record, int32_t frame, int64_t epoch,
@@ -89,13 +121,13 @@ void sweeper_sweep_job(struct sweeper *sweeper, struct job_record *record)
     add_task(sweeper, task);
 }
 
-static void start_next(struct sweeper *sweeper)
+static void start_next(struct sweep_lane *lane)
 {
-    if (sweeper->in_flight || !sweeper->first) return;
-    sweeper->in_flight = sweeper->first;
-    sweeper->first = sweeper->in_flight->next;
-    if (!sweeper->first) sweeper->last = NULL;
-    uv_queue_work(sweeper->loop, &sweeper->work, on_sweep_run, on_sweep_done);
+    if (lane->in_flight || !lane->first) return;
+    lane->in_flight = lane->first;
+    lane->first = lane->in_flight->next;
+    if (!lane->first) lane->last = NULL;
+    uv_queue_work(lane->sweeper->loop, &lane->work, on_sweep_run, on_sweep_done);
 }
 
 bool sweeper_is_part_of(const struct job_record *record, const char *farm, const char *name)
@@ -122,15 +154,15 @@ static void remove_parts(const struct job_record *record, const char *farm, int 
 
 static void on_sweep_run(uv_work_t *work)
 {
-    const struct sweeper *sweeper = work->data;
-    struct sweep_task *task = sweeper->in_flight;
+    const struct sweep_lane *lane = work->data;
+    struct sweep_task *task = lane->in_flight;
     const struct job_record *record = task->record;
     int folder = output_root_open_folder(&record->path, record->root, record->output_root->id, false, NULL);
 
     task->was_away = folder == OUTPUT_ROOT_AWAY;
     if (folder < 0) return;
     if (!task->part[0]) {
-        remove_parts(record, sweeper->farm, folder);
+        remove_parts(record, lane->sweeper->farm, folder);
         return;
     }
     unlinkat(folder, task->part, 0);
@@ -139,11 +171,12 @@ static void on_sweep_run(uv_work_t *work)
 
 static void on_sweep_done(uv_work_t *work, int status)
 {
-    struct sweeper *sweeper = work->data;
-    struct sweep_task *task = sweeper->in_flight;
+    struct sweep_lane *lane = work->data;
+    const struct sweeper *sweeper = lane->sweeper;
+    struct sweep_task *task = lane->in_flight;
 
-    sweeper->in_flight = NULL;
-    start_next(sweeper);
+    lane->in_flight = NULL;
+    start_next(lane);
     if (!task->part[0]) sweeper->on_swept(sweeper->user, task->record, task->was_away);
     free(task);
 }
