@@ -1,5 +1,4 @@
-// Publishes finished files: commits the intent, then renames in batches off the loop, with one sync per folder. Each
-// output root has a thread of its own.
+// Publishes finished files: commits the intent, then renames in batches off the loop, with one sync per folder.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -46,7 +45,7 @@ enum { PUBLISHER_BATCH = 1024, PUBLISHER_FULL = 16 * 1024 };
 // Called on the loop when the file is published on disk, or cannot be. The callee commits the result.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
 
-// `farm` is the farm's id, borrowed.
+// Each output root has a thread of its own. `farm` is the farm's id, borrowed.
 struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct committer *committer,
                                    publisher_on_done *on_done, void *user);
 void publisher_destroy(struct publisher *publisher);                                    // legal once idle; accepts NULL
