@@ -146,6 +146,20 @@ static void recall_for(struct farm *farm, struct worker_process *worker, const s
     }
 }
 
+// How many more frames of the job the worker will have done before its machine goes.
+static size_t count_fitting(struct farm *farm, int index, const struct queue_job *job)
+{
+    double left_s = worker_pool_left_s(farm->pool, index), frame_s;
+    size_t in_flight, count;
+
+    if (isinf(left_s)) return SIZE_MAX;
+    frame_s = estimate_median_s(&job_table_find(&farm->jobs, job->id)->estimate);
+    in_flight = worker_pool_ready_at(farm->pool, index)->in_flight.count;
+    count = dispatch_count_fitting(frame_s, left_s, in_flight);
+    if (count == 0 && in_flight == 0) worker_pool_note_short(farm->pool, index, frame_s);
+    return count;
+}
+
 // The job whose turn it is, and whether the worker can serve it; NULL: none.
 static struct queue_job *choose(struct farm *farm, int index, enum worker_fit *fit)
 {
@@ -153,7 +167,7 @@ static struct queue_job *choose(struct farm *farm, int index, enum worker_fit *f
     struct queue_job *next;
 
     while ((next = queue_choose_job(farm->queue, seat))) {
-        *fit = worker_pool_prepare(farm->pool, index, next);
+        *fit = count_fitting(farm, index, next) ? worker_pool_prepare(farm->pool, index, next) : WORKER_COVERED;
         if (*fit != WORKER_COVERED) break;
         turns_cover(queue_turns(farm->queue), &next->turn);
     }
@@ -170,20 +184,22 @@ static int count_workers(const int ready[static TURNS_KIND_LIMIT], const struct 
     return count;
 }
 
-static size_t count_to_assign(struct farm *farm, const struct worker_process *worker, const struct queue_job *next,
+static size_t count_to_assign(struct farm *farm, int index, const struct queue_job *next,
                               const int ready[static TURNS_KIND_LIMIT])
 {
+    const struct worker_process *worker = worker_pool_ready_at(farm->pool, index);
     struct job_record *record = job_table_find(&farm->jobs, next->id);
     struct dispatch_load load = {.frame_s = estimate_median_s(&record->estimate),
                                  .skip_run = record->estimate.skip_run,
                                  .skip_s = (double)record->estimate.skip_s,
                                  .left = next->states.counts[FRAME_QUEUED],
                                  .workers = count_workers(ready, next)};
-    size_t count;
+    size_t fitting = count_fitting(farm, index, next), count;
 
     if (load.skip_run > 0 && publisher_is_full(farm->checker)) return 0; // workers find files faster than we check them
     add_load(farm, &worker->in_flight, next->id, &load);
     count = dispatch_count(&load);
+    if (count > fitting) count = fitting;
     return count < DISPATCH_CHUNK_LIMIT ? count : DISPATCH_CHUNK_LIMIT;
 }
 
@@ -202,7 +218,7 @@ static bool feed_worker(struct farm *farm, int index, const int ready[static TUR
     next = choose(farm, index, &fit);
     if (!next && worker->in_flight.count == 0) turns_stand(queue_turns(farm->queue), seat);
     if (!next || fit == WORKER_CHANGES) return false;
-    if (fit == WORKER_FITS) count = count_to_assign(farm, worker, next, ready);
+    if (fit == WORKER_FITS) count = count_to_assign(farm, index, next, ready);
     if (count == 0) {
         recall_for(farm, worker, seat, next);
         return false;

@@ -44,7 +44,7 @@ struct node {
     char *host, *reason;  // owned
     const char *own_name; // as it was created with
     char *name, *place;   // owned; see node_allow; NULL: its own
-    int64_t end_ms, whole_ms;
+    struct node_stay stay;
     bool is_held, is_stopping;
     bool is_dismissed; // its end is wanted
 };
@@ -209,10 +209,14 @@ void node_allow(struct node *node, const char *name, const char *place)
     node->handlers->on_change(node->user, node);
 }
 
-void node_set_end(struct node *node, int64_t end_ms, int64_t whole_ms)
+void node_set_stay(struct node *node, const struct node_stay *stay)
 {
-    node->end_ms = end_ms;
-    node->whole_ms = whole_ms;
+    node->stay = *stay;
+}
+
+const struct node_stay *node_stay(const struct node *node)
+{
+    return &node->stay;
 }
 
 static void welcome(struct node *node)

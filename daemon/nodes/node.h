@@ -54,8 +54,14 @@ void node_hold(struct node *node, const char *reason, bool is_dismissed);
 // It may be started from now on, by the pool's command "step" with `place`. `name` is the machine's. Both are copied.
 // Does nothing while it is allowed.
 void node_allow(struct node *node, const char *name, const char *place);
-// When its machine goes, by the monotonic clock of node_check; 0: it stays. `whole_ms`: for how long it came.
-void node_set_end(struct node *node, int64_t end_ms, int64_t whole_ms);
+// For how long its machine is there. The zero value: it stays.
+struct node_stay {
+    int64_t end_ms;   // monotonic, as of node_check; when it goes; 0: never
+    int64_t whole_ms; // from its coming on
+};
+
+void node_set_stay(struct node *node, const struct node_stay *stay);
+const struct node_stay *node_stay(const struct node *node);
 
 enum node_state node_state(const struct node *node);
 const char *node_name(const struct node *node);

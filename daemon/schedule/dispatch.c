@@ -28,6 +28,16 @@ static size_t find_chunk(const struct dispatch_load *load)
     return chunk / 2 > load->skip_run ? 2 * load->skip_run : chunk;
 }
 
+size_t dispatch_count_fitting(double frame_s, double left_s, size_t in_flight)
+{
+    double count;
+
+    if (!(frame_s > 0) || isinf(left_s)) return SIZE_MAX;
+    count = floor(left_s / frame_s) - (double)in_flight;
+    if (!(count > 0)) return 0;
+    return count < DISPATCH_CHUNK_LIMIT ? (size_t)count : DISPATCH_CHUNK_LIMIT;
+}
+
 bool dispatch_is_overfull(double frame_s, size_t count)
 {
     return count > 2 * (frame_s > 0 ? chunk_for_overhead(frame_s, DEFAULT_OVERHEAD_S) : 1);

@@ -27,5 +27,8 @@ struct dispatch_load {
 // half of a chunk is rendered. No frame waits behind frames of another job that may take longer than half a chunk.
 // After skipped frames the worker gets twice as many as were skipped, in chunks of their seconds: any may be rendered.
 size_t dispatch_count(const struct dispatch_load *load);
+// How many more frames a worker whose machine goes in `left_s` renders before, with `in_flight` in hand; SIZE_MAX:
+// unknown, for a frame's time is (0), or the machine stays (infinite).
+size_t dispatch_count_fitting(double frame_s, double left_s, size_t in_flight);
 // Whether a worker that renders a frame has too many others of the job in hand: `count` that it has not begun.
 bool dispatch_is_overfull(double frame_s, size_t count);

@@ -42,6 +42,7 @@ static void end(struct allocation *allocation)
     // What Slurm says of the end that was asked for is no news.
     if (allocation->job) allocation->over_job = allocation->cancel_ms ? 0 : allocation->job;
     allocation->job = allocation->end_ms = allocation->whole_ms = allocation->cancel_ms = 0;
+    allocation->is_short = false;
     set_text(&allocation->machine, NULL);
 }
 
@@ -212,6 +213,7 @@ int allocations_find_to_cancel(const struct allocations *allocations, int want, 
             continue;
         }
         there++;
+        if (allocation->is_short) return i;
         if (allocation->state == ALLOCATION_WAITS)
             waiting = i;
         else if (now_ms - allocation->busy_ms >= idle_ms)

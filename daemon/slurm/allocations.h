@@ -26,7 +26,8 @@ struct allocation {
     char *machine;        // NULL: none yet
     char *reason;         // what Slurm said, for people; NULL: nothing
     int64_t end_ms;       // monotonic; when its time is over; 0: never, or unknown
-    int64_t whole_ms;     // its time when it was seen first
+    int64_t whole_ms;     // its time when it was seen first; 0: unknown
+    bool is_short;        // what is left of it is too short for the next frames
     int64_t busy_ms;      // when it last had work, or began
     int64_t sure_from_ms; // of ASKED: an answer to a question from then on that lacks it says that it is not there
     int64_t over_job;     // the id that it had last
@@ -56,7 +57,8 @@ int allocations_count(const struct allocations *allocations, enum allocation_sta
 int allocations_want(int64_t tasks, int workers, int min, int max);
 // One to ask for, when less than `want` are there or asked for and nothing is in doubt; -1: none.
 int allocations_find_to_ask(const struct allocations *allocations, int want);
-// One to cancel, when more than `want` are there: first those that wait, then one without work for `idle_ms`; -1: none.
+// One to cancel: one that is too short, or, when more than `want` are there, first those that wait, then one without
+// work for `idle_ms`; -1: none.
 int allocations_find_to_cancel(const struct allocations *allocations, int want, int64_t idle_ms, int64_t now_ms);
 
 void allocations_note_asked(struct allocations *allocations, int index);

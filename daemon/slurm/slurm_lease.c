@@ -66,23 +66,23 @@ static int open_folder(const char *path, struct error *error)
     return fd;
 }
 
-static bool write_count(int folder_fd, const char *name, int64_t *count, struct error *error)
+static bool write_count(int folder_fd, struct slurm_lease *lease, struct error *error)
 {
     char text[TEXT_SIZE] = "";
-    int fd = openat(folder_fd, name, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600), length;
+    int fd = openat(folder_fd, lease->name, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600), length;
     bool ok = false;
 
     if (fd < 0) {
-        error_set_errno(error, errno, "%s", name);
+        error_set_errno(error, errno, "%s", lease->path);
         return false;
     }
-    if (*count == 0 && pread(fd, text, sizeof text - 1, 0) > 0) *count = strtoll(text, NULL, 10);
-    if (*count < 0 || *count > INT64_MAX / 2) *count = 0;
-    length = snprintf(text, sizeof text, "%020" PRId64 "\n", ++*count);
+    if (lease->count == 0 && pread(fd, text, sizeof text - 1, 0) > 0) lease->count = strtoll(text, NULL, 10);
+    if (lease->count < 0 || lease->count > INT64_MAX / 2) lease->count = 0;
+    length = snprintf(text, sizeof text, "%020" PRId64 "\n", ++lease->count);
     ok = pwrite(fd, text, (size_t)length, 0) == length && ftruncate(fd, length) == 0;
     // Others see it once it is closed.
     if (close(fd) != 0) ok = false;
-    if (!ok) error_set_errno(error, errno, "%s", name);
+    if (!ok) error_set_errno(error, errno, "%s", lease->path);
     return ok;
 }
 
@@ -94,7 +94,7 @@ static void on_work(uv_work_t *work)
     lease->error = (struct error){0};
     fd = open_folder(lease->folder, &lease->error);
     if (fd < 0) return;
-    (void)write_count(fd, lease->name, &lease->count, &lease->error);
+    (void)write_count(fd, lease, &lease->error);
     close(fd);
 }
 

@@ -19,18 +19,18 @@
 #include <string.h>
 
 enum {
-    LOOK_FIRST_MS = 250,      // Slurm is looked at so soon after something was asked of it,
-    LOOK_LAST_MS = 10 * 1000, // and then less and less often
+    LOOK_FIRST_MS = 250,      // Slurm is looked at so often when something changes,
+    LOOK_SOON_COUNT = 20,     // after so many looks
+    LOOK_LAST_MS = 10 * 1000, // less and less often
     START_MS = 180 * 1000,    // a machine whose node is not ready for so long is given back
-    LEASE_MOVES = 10,         // moves in the time of the lease
-    FARM_DIGITS = 12          // of the farm's id in names
+    LEASE_MOVES = 10          // moves in the time of the lease
 };
 
 // Where a node is.
 struct placed {
     int64_t job;      // it is in; 0: none
     int64_t ready_ms; // when it was last ready, or began to be started
-    bool is_ready;
+    bool was_ready, is_up;
 };
 
 enum call_kind { CALL_LOOK, CALL_ASK, CALL_CANCEL };
@@ -46,7 +46,10 @@ struct slurm_pool {
     int index;        // of the allocation that the call is about
     int64_t asked_ms; // when the call began
     int64_t now_ms, look_ms, look_wait_ms, lease_ms;
+    int look_count;  // since something was asked of Slurm
+    int64_t stay_ms; // the longest time of an allocation
     int want;
+    char idle_reason[160]; // why no more machines are wanted
     struct retry_backoff backoff;
     char *trouble; // owned; why Slurm, or the lease, cannot be used; NULL: they can
 };
@@ -96,6 +99,7 @@ static void set_trouble(struct slurm_pool *slurm, char *trouble)
 static void look_soon(struct slurm_pool *slurm)
 {
     slurm->look_wait_ms = LOOK_FIRST_MS;
+    slurm->look_count = 0;
     slurm->look_ms = slurm->now_ms + LOOK_FIRST_MS;
 }
 
@@ -164,6 +168,7 @@ static void take_look(struct slurm_pool *slurm, char *text, const char *trouble)
                     xasprintf("Slurm does not answer: %s", error.message[0] ? error.message : or_silence(trouble)));
     }
     slurm->look_ms = slurm->now_ms + slurm->look_wait_ms;
+    if (++slurm->look_count < LOOK_SOON_COUNT) return;
     slurm->look_wait_ms = slurm->look_wait_ms * 3 / 2 < LOOK_LAST_MS ? slurm->look_wait_ms * 3 / 2 : LOOK_LAST_MS;
 }
 
@@ -211,10 +216,12 @@ static const char *trouble_of(const struct slurm_pool *slurm)
 static void begin_place(struct slurm_pool *slurm, int index, int64_t job)
 {
     struct placed *placed = &slurm->placed[index];
+    const struct allocation *allocation = &slurm->allocations.all[index];
 
+    if (placed->job && !allocation->cancel_ms && allocation->reason)
+        log_warn("pool %s: %s", slurm->params.pool->name, allocation->reason);
     // One that ended before its node was ready: asked for again at once, the next would end likewise.
-    if (placed->job && !placed->is_ready && !slurm->allocations.all[index].cancel_ms)
-        retry_backoff_fail(&slurm->backoff, slurm->now_ms);
+    if (placed->job && !placed->was_ready && !allocation->cancel_ms) retry_backoff_fail(&slurm->backoff, slurm->now_ms);
     *placed = (struct placed){.job = job, .ready_ms = slurm->now_ms};
 }
 
@@ -225,7 +232,7 @@ static void place(struct slurm_pool *slurm, int index)
     struct placed *placed = &slurm->placed[index];
     struct node *node = slurm->params.nodes[index];
     int64_t job = allocation->state == ALLOCATION_RUNS && !allocation->cancel_ms ? allocation->job : 0;
-    const char *reason = allocation->reason ? allocation->reason : "no frame waits for it";
+    const char *reason = allocation->reason ? allocation->reason : slurm->idle_reason;
     char text[24];
 
     if (allocation->state == ALLOCATION_NONE && trouble_of(slurm)) reason = trouble_of(slurm);
@@ -234,12 +241,14 @@ static void place(struct slurm_pool *slurm, int index)
     if (job == 0) return;
     snprintf(text, sizeof text, "%lld", (long long)job);
     node_allow(node, allocation->machine, text);
-    node_set_end(node, allocation->end_ms, allocation->whole_ms);
-    if (node_state(node) == NODE_READY) {
-        retry_backoff_succeed(&slurm->backoff);
-        placed->ready_ms = slurm->now_ms;
-        placed->is_ready = true;
-    }
+    node_set_stay(node, &(struct node_stay){.end_ms = allocation->end_ms, .whole_ms = allocation->whole_ms});
+    if (allocation->whole_ms > slurm->stay_ms) slurm->stay_ms = allocation->whole_ms;
+    if (placed->is_up && node_state(node) != NODE_READY) look_soon(slurm); // Slurm may know why
+    placed->is_up = node_state(node) == NODE_READY;
+    if (!placed->is_up) return;
+    retry_backoff_succeed(&slurm->backoff);
+    placed->ready_ms = slurm->now_ms;
+    placed->was_ready = true;
 }
 
 // A machine on which no node starts is of no use, and the next may be.
@@ -282,7 +291,8 @@ static void step(struct slurm_pool *slurm)
     if (give_back_useless(slurm)) return;
     index = allocations_find_to_cancel(allocations, slurm->want, settings(slurm)->idle_ms, slurm->now_ms);
     if (index >= 0) {
-        give_back(slurm, index, "no frame waits for it");
+        give_back(slurm, index,
+                  allocations->all[index].is_short ? "the rest of its time is too short" : "no frame waits for it");
         return;
     }
     index = allocations_find_to_ask(allocations, slurm->want);
@@ -305,13 +315,34 @@ static void hold_lease(struct slurm_pool *slurm)
     slurm_lease_move(slurm->lease);
 }
 
-void slurm_pool_check(struct slurm_pool *slurm, int64_t tasks, int64_t now_ms)
+void slurm_pool_note_short(struct slurm_pool *slurm, int node)
+{
+    if (slurm->lease) slurm->allocations.all[node].is_short = true;
+}
+
+double slurm_pool_stay_s(const struct slurm_pool *slurm)
+{
+    return (double)slurm->stay_ms / 1000;
+}
+
+static void set_idle_reason(struct slurm_pool *slurm, const struct slurm_need *need)
+{
+    if (need->tasks == 0 && need->too_long_s > 0)
+        snprintf(slurm->idle_reason, sizeof slurm->idle_reason,
+                 "a frame of the job takes %.0f s, Slurm's machines stay for %.0f s: pool %s needs a longer time",
+                 need->too_long_s, slurm_pool_stay_s(slurm), slurm->params.pool->name);
+    else
+        snprintf(slurm->idle_reason, sizeof slurm->idle_reason, "no frame waits for it");
+}
+
+void slurm_pool_check(struct slurm_pool *slurm, const struct slurm_need *need, int64_t now_ms)
 {
     const struct slurm_options *options = settings(slurm);
 
     slurm->now_ms = now_ms;
     if (!slurm->lease) begin(slurm);
-    slurm->want = allocations_want(tasks, slurm->params.pool->nodes[0].worker_count, options->min, options->max);
+    slurm->want = allocations_want(need->tasks, slurm->params.pool->nodes[0].worker_count, options->min, options->max);
+    set_idle_reason(slurm, need);
     hold_lease(slurm);
     step(slurm);
 }

@@ -10,6 +10,7 @@
 #include "daemon/workers/worker_slot.h"
 #include "node/node_probe.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -85,31 +86,55 @@ void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct wor
     }
 }
 
-// Frames that a worker of the seat could begin to render now; no more than `enough` are counted.
-static int64_t count_waiting(const struct farm *farm, const struct turns_seat *seat, int64_t enough)
+// Frames that the site could begin to render now; no more than `enough` are counted.
+static void count_waiting(struct farm *farm, const struct worker_site *site, int64_t enough, struct slurm_need *need)
 {
-    const struct turns_seat nobody = {.kind = seat->kind};
-    int64_t count = 0;
+    const struct turns_seat nobody = {.kind = site->slots[0].seat.kind};
+    double stay_s = slurm_pool_stay_s(site->slurm);
 
-    if (farm->drain.user || !queue_choose_job(farm->queue, &nobody)) return 0;
-    for (const struct queue_job *job = queue_first_job(farm->queue); job && count < enough; job = job->next)
-        if (!job->is_paused && job->block == QUEUE_OPEN && queue_job_is_live(job) && turns_may_serve(seat, &job->turn))
-            count += job->states.counts[FRAME_QUEUED];
-    return count;
+    if (farm->drain.user || !queue_choose_job(farm->queue, &nobody)) return;
+    for (const struct queue_job *job = queue_first_job(farm->queue); job && need->tasks < enough; job = job->next) {
+        double frame_s;
+
+        if (job->is_paused || job->block != QUEUE_OPEN || !queue_job_is_live(job)) continue;
+        if (job->states.counts[FRAME_QUEUED] == 0 || !turns_may_serve(&nobody, &job->turn)) continue;
+        frame_s = estimate_median_s(&job_table_find(&farm->jobs, job->id)->estimate);
+        if (stay_s > 0 && frame_s > stay_s)
+            need->too_long_s = frame_s;
+        else
+            need->tasks += job->states.counts[FRAME_QUEUED];
+    }
 }
 
-static void check_site(const struct farm *farm, struct worker_site *site, int64_t now_ms)
+// Returns the number of the node's workers with frames in hand.
+static int check_node(struct worker_site *site, int node, int64_t now_ms)
 {
+    struct worker_slot *slots = site->slots + (ptrdiff_t)node * site->worker_count;
+    int busy = 0;
+    bool is_short = false;
+
+    for (int i = 0; i < site->worker_count; i++) {
+        busy += slots[i].worker && slots[i].worker->in_flight.count > 0;
+        slots[i].is_short = slots[i].is_short && slots[i].worker;
+        is_short = is_short || slots[i].is_short;
+    }
+    if (busy > 0)
+        slurm_pool_note_busy(site->slurm, node, now_ms);
+    else if (is_short)
+        slurm_pool_note_short(site->slurm, node);
+    return busy;
+}
+
+static void check_site(struct farm *farm, struct worker_site *site, int64_t now_ms)
+{
+    struct slurm_need need = {0};
     int64_t busy = 0;
 
-    for (int i = 0; i < site->slot_count; i++) {
-        const struct worker_process *worker = site->slots[i].worker;
-
-        if (!worker || worker->in_flight.count == 0) continue;
-        slurm_pool_note_busy(site->slurm, i / site->worker_count, now_ms);
-        busy++;
-    }
-    slurm_pool_check(site->slurm, busy + count_waiting(farm, &site->slots[0].seat, site->slot_count), now_ms);
+    for (int node = 0; node < site->slot_count / site->worker_count; node++)
+        busy += check_node(site, node, now_ms);
+    count_waiting(farm, site, site->slot_count, &need);
+    need.tasks += busy;
+    slurm_pool_check(site->slurm, &need, now_ms);
 }
 
 void worker_nodes_check(struct worker_nodes *nodes, int64_t now_ms)
@@ -145,6 +170,19 @@ void worker_nodes_finish(struct worker_nodes *nodes)
 bool worker_nodes_are_ready(const struct worker_slot *slot)
 {
     return !slot->node || node_state(slot->node) == NODE_READY;
+}
+
+double worker_nodes_left_s(const struct worker_slot *slot, int64_t now_ms)
+{
+    const struct node_stay *stay = slot->node ? node_stay(slot->node) : NULL;
+
+    return stay && stay->end_ms > 0 ? (double)(stay->end_ms - now_ms) / 1000 : HUGE_VAL;
+}
+
+void worker_nodes_note_short(struct worker_slot *slot, double frame_s)
+{
+    // One that no machine stays for is no reason to take another.
+    slot->is_short = frame_s * 1000 <= (double)node_stay(slot->node)->whole_ms;
 }
 
 void worker_nodes_set_params(const struct node *node, struct worker_child_params *params)

@@ -45,5 +45,9 @@ void worker_nodes_finish(struct worker_nodes *nodes); // legal when they are sto
 
 // Whether a worker may be started in the slot as far as its node is concerned.
 bool worker_nodes_are_ready(const struct worker_slot *slot);
+// Seconds until the machine of the slot goes; infinite: it stays.
+double worker_nodes_left_s(const struct worker_slot *slot, int64_t now_ms);
+// A frame that takes so long was not given to the slot, for it would not be done before.
+void worker_nodes_note_short(struct worker_slot *slot, double frame_s);
 // What the node's pool says goes before what holds for this machine.
 void worker_nodes_set_params(const struct node *node, struct worker_child_params *params);

@@ -352,6 +352,16 @@ struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index)
     return &pool->slots[index].seat;
 }
 
+double worker_pool_left_s(const struct worker_pool *pool, int index)
+{
+    return worker_nodes_left_s(&pool->slots[index], farm_now_ms(pool->farm));
+}
+
+void worker_pool_note_short(struct worker_pool *pool, int index, double frame_s)
+{
+    worker_nodes_note_short(&pool->slots[index], frame_s);
+}
+
 void worker_pool_charge(struct worker_pool *pool, int index)
 {
     worker_turns_charge(&pool->slots[index]);

@@ -48,6 +48,9 @@ char *worker_pool_format_trouble(const struct worker_pool *pool, const struct jo
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
 // Whom the worker in slot `index` serves.
 struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index);
+// As worker_nodes_left_s and worker_nodes_note_short, of slot `index`.
+double worker_pool_left_s(const struct worker_pool *pool, int index);
+void worker_pool_note_short(struct worker_pool *pool, int index, double frame_s);
 void worker_pool_charge(struct worker_pool *pool, int index); // its owner, for the time up to now
 // Whether the ready worker in slot `index` can be assigned frames of the job, which was chosen for its seat. With
 // WORKER_CHANGES it was told to exit.

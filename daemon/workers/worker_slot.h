@@ -5,6 +5,7 @@
 #include "daemon/schedule/retry.h"
 #include "daemon/schedule/turns.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct json_writer;
@@ -20,6 +21,7 @@ struct worker_slot {
     int64_t done; // count of frames by earlier workers
     struct turns_seat seat;
     uint64_t changing_ns; // monotonic; when its worker was told to make room; 0: it was not
+    bool is_short;        // frames were not given to it for its machine goes before they would be done
     uint64_t charged_ns;  // monotonic; up to when the owner is charged
 };
 

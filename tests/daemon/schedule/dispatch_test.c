@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include <cmocka.h>
 
@@ -64,6 +65,18 @@ static void worker_gets_more_when_half_of_a_chunk_is_rendered(void **state)
 {
     assert_int_equal(count_for(1e-6, 1000000, 2, DISPATCH_CHUNK_LIMIT / 2 + 1), 0);
     assert_int_equal(count_for(1e-6, 1000000, 2, DISPATCH_CHUNK_LIMIT / 2), DISPATCH_CHUNK_LIMIT / 2);
+}
+
+static void no_frame_is_begun_that_does_not_end(void **state)
+{
+    assert_true(dispatch_count_fitting(0, 1, 0) == SIZE_MAX);
+    assert_true(dispatch_count_fitting(5, HUGE_VAL, 3) == SIZE_MAX);
+    assert_int_equal(dispatch_count_fitting(5, 14.9, 0), 2);
+    assert_int_equal(dispatch_count_fitting(5, 14.9, 1), 1);
+    assert_int_equal(dispatch_count_fitting(5, 14.9, 2), 0);
+    assert_int_equal(dispatch_count_fitting(5, 14.9, 3), 0);
+    assert_int_equal(dispatch_count_fitting(5, -1, 0), 0);
+    assert_int_equal(dispatch_count_fitting(1e-9, 1e9, 0), DISPATCH_CHUNK_LIMIT);
 }
 
 static void the_last_frames_of_a_job_are_shared(void **state)
@@ -146,6 +159,7 @@ int main(void)
         cmocka_unit_test(shortest_frames_reach_the_limit),
         cmocka_unit_test(many_workers_share_a_limit),
         cmocka_unit_test(worker_gets_more_when_half_of_a_chunk_is_rendered),
+        cmocka_unit_test(no_frame_is_begun_that_does_not_end),
         cmocka_unit_test(the_last_frames_of_a_job_are_shared),
         cmocka_unit_test(no_worker_gets_more_than_is_left),
         cmocka_unit_test(idle_worker_always_gets_a_frame),

@@ -183,6 +183,9 @@ static void gives_back_what_is_too_much(void **state)
     // One that stays is canceled again.
     assert_int_equal(allocations_find_to_cancel(&allocations, 1, IDLE_MS, IDLE_MS + 10000), 0);
     assert_int_equal(allocations_find_to_ask(&allocations, 2), 2);
+    // So is one of no more use, however many are wanted.
+    allocations.all[1].is_short = true;
+    assert_int_equal(allocations_find_to_cancel(&allocations, 3, IDLE_MS, IDLE_MS + 2), 1);
 }
 
 int main(void)
