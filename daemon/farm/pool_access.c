@@ -70,6 +70,12 @@ static char *add(char *list, const char *separator, const char *text)
     return longer;
 }
 
+// Whether a pool before the one of that index has the tag.
+static bool is_earlier(const struct farm *farm, int index, const char *tag)
+{
+    return (pool_access_find(farm, tag) & (bit_of(index) - 1)) != 0;
+}
+
 static void fail_unknown(const struct farm *farm, const char *pool, struct error *error)
 {
     const struct pool_table *table = pools_of(farm);
@@ -80,7 +86,7 @@ static void fail_unknown(const struct farm *farm, const char *pool, struct error
         if (!(bit_of(i) & all)) continue;
         names = add(names, ", ", name_of(table, i));
         for (size_t k = 0; k < terms_of(table, i)->tag_count; k++)
-            tags = add(tags, ", ", terms_of(table, i)->tags[k]);
+            if (!is_earlier(farm, i, terms_of(table, i)->tags[k])) tags = add(tags, ", ", terms_of(table, i)->tags[k]);
     }
     error_set(error, "there is no pool or tag \"%s\" here: pools are %s%s%s", pool, names ? names : "not there",
               tags ? "; tags are " : "", tags ? tags : "");
