@@ -45,8 +45,7 @@ void worker_turns_look_at_memory(struct worker_turns *turns)
     if (bytes == turns->memory_bytes) return;
     turns->memory_bytes = bytes;
     if (turns->farm->options->worker_memory_bytes == 0)
-        log_info("worker-memory: auto: %lld MiB for each of %d workers", (long long)(bytes / turns->local_count) >> 20,
-                 turns->local_count);
+        log_info("worker-memory: auto: %lld MiB for each worker", (long long)(bytes / turns->local_count) >> 20);
 }
 
 // A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
