@@ -12,7 +12,7 @@ enum { DROP_LIMIT = 4 }; // rungs by which another family may be coarser than th
 // Set by hand; tests/worker/plan/plan_retry_test shows what follows from them.
 static const double GOAL = 0.5;                                      // of the tolerance: the error to expect
 static const double FALL = 0.59460355750136051;                      // of an error by a rung: 2^(-1.5 / 2)
-static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, relative to the first
+static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, in units
 static const double DARK_DEPTH = 20.0;
 static const double SETTLED = 0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at
 static const double TINY = 1e-12;   // an error of 0 has no logarithm
@@ -42,6 +42,7 @@ void plan_retry_init(struct plan_retry *retry, const struct job *job, const stru
     retry->scene.depth_count = hits;
     retry->scene.hit_share = (double)hits / (double)seen;
     retry->first_work = find_work(retry, plan, &plan->point);
+    retry->unit_work = fmax(retry->first_work, PLAN_RETRY_LEAST / retry->scene.pixels);
 }
 
 void plan_retry_spend(struct plan_retry *retry, const struct plan *plan, int width_px, int height_px)
@@ -56,7 +57,7 @@ double plan_retry_allowance(const struct plan_retry *retry)
 {
     int next = retry->count < PLAN_RETRY_LIMIT ? retry->count : PLAN_RETRY_LIMIT - 1;
 
-    return WORK_SO_FAR[next] * retry->first_work - retry->spent_work;
+    return WORK_SO_FAR[next] * retry->unit_work - retry->spent_work;
 }
 
 int plan_retry_axes(const struct plan_retry *retry, const struct plan *plan,
@@ -145,7 +146,7 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
                        double error)
 {
     double tolerance = retry->scene.job->quality.tolerance, errors[PLAN_AXIS_LIMIT] = {0.0};
-    double limit = plan_retry_allowance(retry), all = PLAN_RETRY_WORK * retry->first_work - retry->spent_work;
+    double limit = plan_retry_allowance(retry), all = PLAN_RETRY_WORK * retry->unit_work - retry->spent_work;
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     int count = plan_retry_axes(retry, plan, axes);
     struct plan_point point = plan->point;

@@ -11,14 +11,17 @@ struct image;
 
 enum { PLAN_RETRY_LIMIT = 3, PLAN_RETRY_DEPTHS = 256 };
 
-// The work of all renderings after the first, relative to it, as plan_family_work counts it.
-static const double PLAN_RETRY_WORK = 8.0;
+// The work of all renderings after the first, relative to it, as plan_family_work counts it; or to PLAN_RETRY_LEAST
+// evaluations in the whole frame, if it took fewer: in a small picture most of the little work is light grids, which
+// eight times as much refines by no more than a halving.
+static const double PLAN_RETRY_WORK = 8.0, PLAN_RETRY_LEAST = 1e7;
 
 // The account of one frame. Init with plan_retry_init.
 struct plan_retry {
     struct plan_scene scene; // its depths are of the frame itself
     float depths[PLAN_RETRY_DEPTHS];
     double first_work, spent_work; // per pixel; the work that is spent is without the first rendering
+    double unit_work;              // per pixel; the limits are multiples of it
     int count;                     // of renderings after the first
 };
 

@@ -53,7 +53,7 @@ struct tolerance_result {
 
 // Renders a frame of a job of any method, as renderer_render does, with the same faults. The frame follows from its
 // job, its plan and its own pixels, never from the frames before it. A frame over its tolerance is rendered up to
-// PLAN_RETRY_LIMIT times more, for at most PLAN_RETRY_WORK times the first one's work: finer in what is to blame, or by
+// PLAN_RETRY_LIMIT times more, for as much work as plan_retry.h says: finer in what is to blame, or by
 // the next family where that gains little. One whose loops GL cut is rendered in longer steps instead. What keeps the
 // tolerance makes the segment's next plan, which later frames have. If nothing does, the frame fails with
 // RENDERER_FAULT_MISSED and the numbers; with RENDERER_FAULT_ENDLESS where all renderings were cut. If the job has

@@ -159,9 +159,34 @@ static void all_renderings_together_stay_within_the_limit(void **state)
                 plan_retry_spend(&stage.retry, &plan, WIDTH_PX, HEIGHT_PX);
             }
             assert_true(stage.retry.count >= 1);
-            assert_true(work <= PLAN_RETRY_WORK * stage.retry.first_work);
+            assert_true(work <= PLAN_RETRY_WORK * stage.retry.unit_work);
             close_stage(&stage);
         }
+}
+
+// A light grid of a small picture takes most of its work, and eight times that refines it by no more than a halving.
+static void little_work_is_no_limit(void **state)
+{
+    double changes[PLAN_AXIS_LIMIT] = {0.0, 0.3};
+    struct stage stage;
+    struct plan plan;
+
+    open_stage(&stage, JOB_METHOD_CACHED, (struct plan_point){{2, 0, 1}});
+    plan = stage.plan;
+    assert_true(stage.retry.unit_work > 2.0 * stage.retry.first_work);
+    assert_float_equal(stage.retry.unit_work * WIDTH_PX * HEIGHT_PX, PLAN_RETRY_LEAST, 1.0);
+    assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.042));
+    assert_true(changes[1] <= 0.01);
+    close_stage(&stage);
+}
+
+static void more_work_is_a_limit_to_itself(void **state)
+{
+    struct stage stage;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{12, 12, 3}});
+    assert_true(stage.retry.unit_work == stage.retry.first_work);
+    close_stage(&stage);
 }
 
 static void small_pictures_cost_little(void **state)
@@ -206,7 +231,7 @@ static void the_next_family_is_as_fine_where_that_is_allowed(void **state)
     plan.family = find_family(JOB_METHOD_MIDPOINT);
     assert_true(plan_retry_change_family(&stage.retry, &plan));
     assert_int_not_equal(plan.quality.method, JOB_METHOD_MIDPOINT);
-    stage.retry.spent_work = PLAN_RETRY_WORK * stage.retry.first_work;
+    stage.retry.spent_work = PLAN_RETRY_WORK * stage.retry.unit_work;
     assert_false(plan_retry_change_family(&stage.retry, &plan));
     close_stage(&stage);
 }
@@ -260,6 +285,8 @@ int main(void)
         cmocka_unit_test(nothing_is_refined_where_the_finest_is_to_blame),
         cmocka_unit_test(all_axes_are_refined_where_none_is_known_to_blame),
         cmocka_unit_test(all_renderings_together_stay_within_the_limit),
+        cmocka_unit_test(little_work_is_no_limit),
+        cmocka_unit_test(more_work_is_a_limit_to_itself),
         cmocka_unit_test(small_pictures_cost_little),
         cmocka_unit_test(an_axis_is_varied_towards_less_work),
         cmocka_unit_test(the_next_family_is_as_fine_where_that_is_allowed),
