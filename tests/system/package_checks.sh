@@ -68,8 +68,13 @@ exposure_is_low()
 
 upgrade_goes_on()
 {
-    local id second
+    local id second waiting
 
+    # A client that waits for a job goes on waiting.
+    cloud_job 1 64 36 waited >"$root/home/ann/job.json"
+    as ann march submit --paused --wait job.json >"$work/waited" 2>"$work/told" &
+    waiting=$!
+    until_true "a client waits" grep -q 'paused by ann' "$work/told"
     id=$(submit ann "$(cloud_job 1-7 480 270 upgraded)")
     until_true "two frames are done" has_done ann "$id" 2
     list_files upgraded >"$work/list"
@@ -80,10 +85,37 @@ upgrade_goes_on()
     expect "second farm" "$(inside systemctl is-active marchd@two.service)" active
     [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"
     expect "service" "$(inside systemctl is-active marchd.service)" active
+    as ann march resume "$(sed -n '1s/^job \([0-9]*\): .*/\1/p' "$work/told")"
+    wait "$waiting"
+    grep -q '^the daemon closed the connection: waiting' "$work/told" || fail "the client was told: $(cat "$work/told")"
     as ann march wait "$id"
     landed_once upgraded 7 "$work/list"
     expect "attempts" "$(as ann march frames --json "$id" | jq -c '[.. | .attempts? // empty] | unique')" "[1]"
     grep -q '^user-jobs = 3$' "$root/etc/marchd/marchd.conf" || fail "the administrator's settings are gone"
+}
+
+# Frames that take longer than stop-timeout are there before the daemon stops.
+drained_upgrade_loses_nothing()
+{
+    local id running number
+
+    reload "user-jobs = 3" "log-level = debug" "stop-timeout = 1"
+    id=$(submit ann "$(cloud_job 1-5 1280 720 drained)")
+    until_true "a frame is done" has_done ann "$id" 1
+    running=$(as ann march frames --json "$id" | jq -r '.. | objects | select(.state? == "running") | .frame')
+    [ -n "$running" ] || fail "no frame is running"
+    inside march drain --wait
+    for number in $running; do
+        [ -f "$root/srv/marchd/drained/$(printf 'c.%04d.exr' "$number")" ] || fail "frame $number was running, and is not there"
+    done
+    list_files drained >"$work/list"
+    [ "$(wc -l <"$work/list")" -lt 5 ] || fail "it was over before the upgrade"
+    as ann march show "$id" | grep -q 'drained by root' || fail "why it waits: $(as ann march show "$id")"
+    apt install /root/marchd-last.deb /root/marchd-worker-last.deb
+    as ann march wait "$id"
+    landed_once drained 5 "$work/list"
+    expect "attempts" "$(as ann march frames --json "$id" | jq -c '[.. | .attempts? // empty] | unique')" "[1]"
+    reload "user-jobs = 3"
 }
 
 purge_leaves_nothing()
