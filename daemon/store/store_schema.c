@@ -94,8 +94,11 @@ bool store_schema_check(sqlite3 *db, int *found, struct error *error)
         return false;
     }
     if (version > STORE_SCHEMA_VERSION) {
-        error_set(error, "store: written by a newer marchd (version %" PRId64 ", this one reads %d)", version,
-                  STORE_SCHEMA_VERSION);
+        error_set(error,
+                  "store: written by a newer marchd (version %" PRId64
+                  ", this one reads %d): install that one again, or "
+                  "restore a copy from before the upgrade (march restore FILE)",
+                  version, STORE_SCHEMA_VERSION);
         return false;
     }
     if (version < FIRST_VERSION) {

@@ -243,13 +243,16 @@ static void newer_store_is_refused_and_unchanged(void **state)
     const struct folder *folder = *state;
     // The header's user_version, big-endian at byte 60.
     const unsigned char version[4] = {0, 0, 0, STORE_SCHEMA_VERSION + 1};
-    char path[128], message[128];
+    char path[128], message[256];
 
     store_close(open_store(folder));
     snprintf(path, sizeof path, "%s/queue.db", folder->path);
     write_bytes(path, 60, version, sizeof version);
-    snprintf(message, sizeof message, "store: written by a newer marchd (version %d, this one reads %d)",
-             STORE_SCHEMA_VERSION + 1, STORE_SCHEMA_VERSION);
+    snprintf(
+        message, sizeof message,
+        "store: written by a newer marchd (version %d, this one reads %d): install that one again, or restore a copy "
+        "from before the upgrade (march restore FILE)",
+        STORE_SCHEMA_VERSION + 1, STORE_SCHEMA_VERSION);
     assert_refused(folder, message);
 }
 
