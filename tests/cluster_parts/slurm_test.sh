@@ -385,30 +385,40 @@ chaos()
     end_farm
 }
 
+# took BEGIN: milliseconds since EPOCHREALTIME was that.
+took() { echo "$(((${EPOCHREALTIME/./} - ${1/./}) / 1000)) ms"; }
+
 # Prints how fast it is: nothing fails.
 figures()
 {
-    local id begin
+    local begin round
 
-    worker=$(stub write:1)
-    sed "s|--worker .*|--worker \"$worker\"|" "$scratch/node" >"$scratch/fast" && chmod +x "$scratch/fast"
-    sleep 10 # an idle cluster
-    begin=${EPOCHREALTIME/./}
-    srun -Q --mpi=none -N1 true
-    echo "srun of nothing: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms"
-    sleep 10
-    start_farm "program=$scratch/fast"
-    begin=${EPOCHREALTIME/./}
-    id=$(submit "$(job 1 '.output.path = "first/f.####.exr"')")
-    wait_state "$id" succeeded
-    echo "submit to the first frame: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms"
-    end_farm
+    sed "s|--worker .*|--worker \"$(stub write:1)\"|" "$scratch/node" >"$scratch/fast" && chmod +x "$scratch/fast"
+    for round in 1 2 3; do
+        sleep 5 # an idle cluster
+        rm -f "$scratch/begun"
+        begin=$EPOCHREALTIME
+        sbatch -Q -N1 -o /dev/null --wrap "touch $scratch/begun"
+        while [ ! -e "$scratch/begun" ]; do sleep 0.01; done
+        echo "sbatch to its script: $(took "$begin")"
+        sleep 5
+        start_farm "program=$scratch/fast"
+        begin=$EPOCHREALTIME
+        id=$(submit "$(job 1 ".output.path = \"first$round/f.####.exr\"")")
+        wait_state "$id" succeeded
+        echo "submit to the first frame: $(took "$begin")"
+        end_farm
+    done
     start_farm min=3
     wait_until "three machines" has_idle 6
-    begin=${EPOCHREALTIME/./}
-    id=$(submit "$(job 1-200 '.output.path = "figure/f.####.exr"')")
+    id=$(submit "$(job 1-12 '.output.path = "figure/first.####.exr"')")
     wait_state "$id" succeeded
-    echo "200 frames of 0.2 s on 6 workers: $(((${EPOCHREALTIME/./} - begin) / 1000)) ms, ideal 6.7 s"
+    for round in 1 2 3; do
+        begin=$EPOCHREALTIME
+        id=$(submit "$(job 1-200 ".output.path = \"figure/f$round.####.exr\"")")
+        wait_state "$id" succeeded
+        echo "200 frames of 0.2 s on 6 workers: $(took "$begin"), ideal 6667 ms"
+    done
     stop_daemon
 }
 
