@@ -1,8 +1,8 @@
 // A node whose workers are no processes: it speaks the lines of many, for benchmarks of the daemon.
 // SPDX-License-Identifier: Apache-2.0
 //
-// On its standard streams, as march-worker --node. Each of its workers writes and answers its frames like stub-worker
-// in the mode skip, and beats every second.
+// stub-node [MS]: on its standard streams, as march-worker --node. Each of its workers writes and answers its frames like
+// stub-worker in the mode skip, or sleep:MS, and beats every second.
 #include "bench/stub_job.h"
 #include "bench/stub_report.h"
 
@@ -23,12 +23,20 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { WORKER_LIMIT = 4096, BEAT_MS = 1000, LOOK_MS = 10000 };
+enum { WORKER_LIMIT = 1024 + 1, BEAT_MS = 1000, LOOK_MS = 10000, WORK_MS = 5 };
+
+struct stub_node_worker {
+    bool is_there;
+    struct stub_frame *frames; // owned; [next, count) are in hand, the one at `next` is begun
+    size_t next, count, capacity;
+    int64_t due_ms; // of the frame that is begun
+};
 
 struct stub_node {
     struct message_stream in;
     struct json_writer message; // of one worker
-    bool has_worker[WORKER_LIMIT];
+    int64_t frame_ms;           // that a frame takes; 0: it is answered at once
+    struct stub_node_worker workers[WORKER_LIMIT];
     int64_t beats, beat_ms;
     struct stub_job *jobs; // owned; that any worker was told of
     size_t job_count, job_capacity;
@@ -98,10 +106,21 @@ static void answer_frame(struct stub_node *node, int worker, const struct stub_f
     say_message(node, worker);
 }
 
+static void begin_frame(struct stub_node *node, int worker)
+{
+    struct stub_node_worker *hand = &node->workers[worker];
+
+    hand->due_ms = now_ms() + node->frame_ms;
+    stub_report_begin(&node->message, "frame.started", &hand->frames[hand->next]);
+    stub_report_end(&node->message);
+    say_message(node, worker);
+}
+
 static void note_assignment(struct stub_node *node, int worker, const struct json_node *params)
 {
     struct json_node frames = json_node_child(params, "frames");
     struct stub_frame frame = {.job = read_integer(params, "job")};
+    struct stub_node_worker *hand = &node->workers[worker];
     struct json_node pair = {0};
 
     while (json_node_next(&frames, &pair)) {
@@ -112,13 +131,35 @@ static void note_assignment(struct stub_node *node, int worker, const struct jso
         frame.frame = (int32_t)integer;
         json_read_integer(&attempt, 0, INT32_MAX, &integer, NULL);
         frame.attempt = (int32_t)integer;
-        answer_frame(node, worker, &frame);
+        if (node->frame_ms == 0) {
+            answer_frame(node, worker, &frame);
+            continue;
+        }
+        hand->frames = xgrow(hand->frames, &hand->capacity, hand->count + 1, sizeof hand->frames[0]);
+        hand->frames[hand->count++] = frame;
+        if (hand->count - hand->next == 1) begin_frame(node, worker);
+    }
+}
+
+// Answers the frames whose time is over.
+static void work(struct stub_node *node)
+{
+    for (int i = 0; i < WORKER_LIMIT; i++) {
+        struct stub_node_worker *worker = &node->workers[i];
+
+        if (worker->next == worker->count || now_ms() < worker->due_ms) continue;
+        answer_frame(node, i, &worker->frames[worker->next++]);
+        if (worker->next < worker->count)
+            begin_frame(node, i);
+        else
+            worker->next = worker->count = 0;
     }
 }
 
 static void end_worker(struct stub_node *node, int worker, const char *how)
 {
-    node->has_worker[worker] = false;
+    node->workers[worker].is_there = false;
+    node->workers[worker].next = node->workers[worker].count = 0;
     say(NODE_ENDED, worker, how, strlen(how));
 }
 
@@ -140,7 +181,7 @@ static void start_worker(struct stub_node *node, int worker)
     char pid[16];
 
     snprintf(pid, sizeof pid, "%d", (int)getpid());
-    node->has_worker[worker] = true;
+    node->workers[worker].is_there = true;
     say(NODE_STARTED, worker, pid, strlen(pid));
     stub_report_ready(&node->message);
     say_message(node, worker);
@@ -172,8 +213,8 @@ static void take_line(struct stub_node *node, const char *bytes, size_t length)
     if (!node_line_read(&line, bytes, length, NULL) || line.worker >= WORKER_LIMIT) exit(1);
     if (line.word == NODE_PROBE) answer_probe(&line);
     if (line.word == NODE_START) start_worker(node, line.worker);
-    if (line.word == NODE_TO && node->has_worker[line.worker]) take_message(node, &line);
-    if (line.word == NODE_KILL && node->has_worker[line.worker]) end_worker(node, line.worker, "0 9");
+    if (line.word == NODE_TO && node->workers[line.worker].is_there) take_message(node, &line);
+    if (line.word == NODE_KILL && node->workers[line.worker].is_there) end_worker(node, line.worker, "0 9");
 }
 
 static void beat(struct stub_node *node)
@@ -182,7 +223,7 @@ static void beat(struct stub_node *node)
     node->beats++;
     say(NODE_BEAT, NODE_NO_WORKER, "", 0);
     for (int i = 0; i < WORKER_LIMIT; i++) {
-        if (!node->has_worker[i]) continue;
+        if (!node->workers[i].is_there) continue;
         message_begin_notification(&node->message, "worker.beat");
         json_write_begin_object(&node->message);
         json_write_integer_member(&node->message, "progress", node->beats);
@@ -206,7 +247,7 @@ static bool take_lines(struct stub_node *node)
     return true;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     static struct stub_node node;
     static char buffer[256 * 1024];
@@ -216,13 +257,17 @@ int main(void)
     printf("marchd-node {\"protocol\":%d,\"version\":\"%s %s\",\"host\":\"stub\",\"landlock\":1,\"lack\":null}\n",
            NODE_PROTOCOL, MARCHD_VERSION, version_commit);
     node.beat_ms = now_ms();
+    if (argc > 1) node.frame_ms = atoi(argv[1]);
     for (;;) {
-        int64_t wait_ms = node.beat_ms + BEAT_MS - now_ms();
+        int64_t wait_ms = node.frame_ms ? WORK_MS : node.beat_ms + BEAT_MS - now_ms();
 
         if (fflush(stdout) != 0) break;
         if (poll(&poll_fd, 1, wait_ms > 0 ? (int)wait_ms : 0) > 0 && !take_lines(&node)) break;
         if (now_ms() - node.beat_ms >= BEAT_MS) beat(&node);
+        if (node.frame_ms) work(&node);
     }
+    for (int i = 0; i < WORKER_LIMIT; i++)
+        free(node.workers[i].frames);
     while (node.job_count > 0)
         stub_job_finish(&node.jobs[--node.job_count]);
     free(node.jobs);
