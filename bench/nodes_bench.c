@@ -1,7 +1,7 @@
 // The real daemon with hundreds of workers that render nothing, here and on nodes.
 // SPDX-License-Identifier: Apache-2.0
-// Measures, for each of several fleets, frames per second, the processor time, memory and descriptors that they take, and
-// what the daemon does while nothing is to be done.
+// Measures, for each of several fleets: frames per second, the processor time, memory and descriptors that they take,
+// and what the daemon does while nothing is to be done.
 #include "bench/private_farm.h"
 
 #include "core/base/alloc.h"

@@ -1,8 +1,8 @@
 // A node whose workers are no processes: it speaks the lines of many, for benchmarks of the daemon.
 // SPDX-License-Identifier: Apache-2.0
 //
-// stub-node [MS]: on its standard streams, as march-worker --node. Each of its workers writes and answers its frames like
-// stub-worker in the mode skip, or sleep:MS, and beats every second.
+// stub-node [MS]: on its standard streams, as march-worker --node. Each of its workers writes and answers its frames
+// like stub-worker in the mode skip, or sleep:MS, and beats every second.
 #include "bench/stub_job.h"
 #include "bench/stub_report.h"
 

@@ -21,9 +21,9 @@
 
 enum { EXIT_USAGE = 2 };
 
-// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to six of them, and a
+// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to twelve of them, and a
 // deletion one.
-static const char thread_count[] = "16";
+static const char thread_count[] = "32";
 
 static void find_program_folder(char folder[static PATH_MAX])
 {

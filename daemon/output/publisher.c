@@ -22,14 +22,20 @@ struct publish_list {
     size_t count, capacity;
 };
 
+// A batch at work, on a thread.
+struct publish_hand {
+    struct publish_lane *lane;
+    uv_work_t work;
+    struct publish_list requests; // used by the working thread
+    bool is_working;
+};
+
 // What is published in one output root: one that hangs holds up itself.
 struct publish_lane {
     struct publisher *publisher;
-    const struct root *root; // borrowed; outlives us
-    uv_work_t work;
-    struct publish_list intended;  // intents on disk, to be renamed next
-    struct publish_list in_flight; // used by the working thread
-    bool is_working;
+    const struct root *root;      // borrowed; outlives us
+    struct publish_list intended; // intents on disk, to be renamed next
+    struct publish_hand hands[PUBLISHER_HANDS];
     struct publish_lane *next; // on the publisher's list
 };
 
@@ -50,7 +56,7 @@ struct publish_intent {
 };
 
 static void on_intent_committed(void *user, bool ok, const struct error *error);
-static void start_batch(struct publish_lane *lane);
+static void start_hands(struct publish_lane *lane);
 static void on_publish_run(uv_work_t *work);
 static void on_publish_done(uv_work_t *work, int status);
 
@@ -76,7 +82,8 @@ void publisher_destroy(struct publisher *publisher)
     while ((lane = publisher->lanes)) {
         publisher->lanes = lane->next;
         free(lane->intended.requests);
-        free(lane->in_flight.requests);
+        for (int i = 0; i < PUBLISHER_HANDS; i++)
+            free(lane->hands[i].requests.requests);
         free(lane);
     }
     free(publisher);
@@ -120,11 +127,14 @@ static void put_in_lane(struct publisher *publisher, struct publish_request *req
     if (!lane) {
         lane = xcalloc(1, sizeof *lane);
         *lane = (struct publish_lane){.publisher = publisher, .root = root, .next = publisher->lanes};
-        lane->work.data = lane;
+        for (int i = 0; i < PUBLISHER_HANDS; i++) {
+            lane->hands[i].lane = lane;
+            lane->hands[i].work.data = &lane->hands[i];
+        }
         publisher->lanes = lane;
     }
     list_add(&lane->intended, request);
-    start_batch(lane);
+    start_hands(lane);
 }
 
 void publisher_put(struct publisher *publisher, const struct publish_request *request)
@@ -147,11 +157,18 @@ void publisher_put_found(struct publisher *publisher, const struct publish_reque
     put_in_lane(publisher, copy);
 }
 
+static bool is_working(const struct publish_lane *lane)
+{
+    for (int i = 0; i < PUBLISHER_HANDS; i++)
+        if (lane->hands[i].is_working) return true;
+    return false;
+}
+
 bool publisher_is_idle(const struct publisher *publisher)
 {
     const struct publish_lane *lane = publisher->lanes;
 
-    while (lane && lane->intended.count == 0 && !lane->is_working)
+    while (lane && lane->intended.count == 0 && !is_working(lane))
         lane = lane->next;
     return publisher->uncommitted == 0 && !lane;
 }
@@ -175,18 +192,29 @@ static void on_intent_committed(void *user, bool ok, const struct error *error)
     free(intent);
 }
 
-static void start_batch(struct publish_lane *lane)
+static void start_hand(struct publish_hand *hand)
 {
-    struct publish_list *waiting = &lane->intended;
+    struct publish_list *waiting = &hand->lane->intended;
     size_t count = waiting->count < PUBLISHER_BATCH ? waiting->count : PUBLISHER_BATCH;
 
-    if (lane->is_working || count == 0) return;
     for (size_t i = 0; i < count; i++)
-        list_add(&lane->in_flight, waiting->requests[i]);
+        list_add(&hand->requests, waiting->requests[i]);
     waiting->count -= count;
     memmove(waiting->requests, waiting->requests + count, waiting->count * sizeof(struct publish_request *));
-    lane->is_working = true;
-    uv_queue_work(lane->publisher->loop, &lane->work, on_publish_run, on_publish_done);
+    hand->is_working = true;
+    uv_queue_work(hand->lane->publisher->loop, &hand->work, on_publish_run, on_publish_done);
+}
+
+// Few requests wait for the hand that works: one sync of their folder is for all of them.
+static void start_hands(struct publish_lane *lane)
+{
+    size_t least = is_working(lane) ? PUBLISHER_CROWD : 1;
+
+    for (int i = 0; i < PUBLISHER_HANDS && lane->intended.count >= least; i++) {
+        if (lane->hands[i].is_working) continue;
+        start_hand(&lane->hands[i]);
+        least = PUBLISHER_CROWD;
+    }
 }
 
 static int compare_requests(const void *a, const void *b)
@@ -268,29 +296,29 @@ static void publish_group(const char *farm, struct publish_request **requests, s
 
 static void on_publish_run(uv_work_t *work)
 {
-    struct publish_lane *lane = work->data;
-    struct publish_list *list = &lane->in_flight;
+    struct publish_hand *hand = work->data;
+    struct publish_list *list = &hand->requests;
     size_t first = 0;
 
     qsort(list->requests, list->count, sizeof(struct publish_request *), compare_requests);
     for (size_t i = 1; i <= list->count; i++) {
         if (i < list->count && list->requests[i]->ticket.job == list->requests[first]->ticket.job) continue;
-        publish_group(lane->publisher->farm, list->requests + first, i - first);
+        publish_group(hand->lane->publisher->farm, list->requests + first, i - first);
         first = i;
     }
 }
 
 static void on_publish_done(uv_work_t *work, int status)
 {
-    struct publish_lane *lane = work->data;
-    struct publisher *publisher = lane->publisher;
+    struct publish_hand *hand = work->data;
+    struct publisher *publisher = hand->lane->publisher;
 
-    lane->is_working = false;
-    for (size_t i = 0; i < lane->in_flight.count; i++) {
-        publisher->on_done(publisher->user, lane->in_flight.requests[i]);
-        free(lane->in_flight.requests[i]->error);
-        free(lane->in_flight.requests[i]);
+    for (size_t i = 0; i < hand->requests.count; i++) {
+        publisher->on_done(publisher->user, hand->requests.requests[i]);
+        free(hand->requests.requests[i]->error);
+        free(hand->requests.requests[i]);
     }
-    lane->in_flight.count = 0;
-    start_batch(lane);
+    hand->requests.count = 0;
+    hand->is_working = false;
+    start_hands(hand->lane);
 }

@@ -38,14 +38,17 @@ struct publish_request {
     char *error; // owned by the publisher; what is wrong; NULL: nothing
 };
 
-// Requests that are looked at or renamed together, and reported in one turn of the loop; requests from which on a
-// publisher is full.
-enum { PUBLISHER_BATCH = 1024, PUBLISHER_FULL = 16 * 1024 };
+enum {
+    PUBLISHER_BATCH = 1024,    // requests that are looked at or renamed together, and reported in one turn of the loop
+    PUBLISHER_HANDS = 4,       // batches at once in an output root
+    PUBLISHER_CROWD = 256,     // requests that do not wait for the batch before theirs
+    PUBLISHER_FULL = 16 * 1024 // requests with which a publisher is full
+};
 
 // Called on the loop when the file is published on disk, or cannot be. The callee commits the result.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
 
-// Each output root has a thread of its own. `farm` is the farm's id, borrowed.
+// Each output root has threads of its own. `farm` is the farm's id, borrowed.
 struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct committer *committer,
                                    publisher_on_done *on_done, void *user);
 void publisher_destroy(struct publisher *publisher);                                    // legal once idle; accepts NULL
