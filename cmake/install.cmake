@@ -36,7 +36,7 @@ install_units(deploy ${MARCHD_UNIT_DIR} ${units})
 foreach(unit ${units})
     install_template(${unit})
 endforeach()
-install_units(deploy/user lib/systemd/user marchd.service marchd.socket)
+install_units(deploy/user lib/systemd/user ${units})
 install(FILES deploy/marchd.sysusers DESTINATION lib/sysusers.d RENAME marchd.conf)
 install(FILES deploy/marchd.tmpfiles DESTINATION lib/tmpfiles.d RENAME marchd.conf)
 # The daemon reads it there, whatever the prefix.

@@ -19,6 +19,8 @@ installed_files() {
 $1/bin/march
 $1/bin/march-launch
 $1/bin/marchd
+$1/lib/systemd/user/march-launch.service
+$1/lib/systemd/user/march-launch.socket
 $1/lib/systemd/user/marchd.service
 $1/lib/systemd/user/marchd.socket
 $1/lib/sysusers.d/marchd.conf

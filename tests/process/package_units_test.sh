@@ -12,7 +12,7 @@ understands() { # WHOSE OPTION...
     whose=$1
     shift
     XDG_RUNTIME_DIR=$scratch systemd-analyze verify --man=no "$@" >"$scratch/said" 2>&1 || fail "$whose units: $(cat "$scratch/said")"
-    ! grep marchd "$scratch/said" || fail "systemd does not understand the $whose units"
+    ! grep march "$scratch/said" || fail "systemd does not understand the $whose units"
 }
 # The system's units are checked in a root of their own, which has the program at its installed path.
 mkdir -p "$scratch/root/usr/lib/systemd/system" "$scratch/root/usr/bin"
@@ -29,9 +29,11 @@ done
 understands template --root="$scratch/root" marchd@two.service marchd@two.socket
 # A user's units are checked with another program, because they cannot be given a root.
 mkdir "$scratch/user"
-sed 's|^\(Exec[A-Za-z]*\)=/usr/bin/marchd*|\1=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
-cp "$deploy/user/marchd.socket" "$scratch/user"
-understands user --user "$scratch/user/marchd.service" "$scratch/user/marchd.socket"
+for unit in marchd march-launch; do
+    sed 's|^\(Exec[A-Za-z]*\)=/usr/bin/march[a-z-]*|\1=/bin/true|' "$deploy/user/$unit.service" >"$scratch/user/$unit.service"
+    cp "$deploy/user/$unit.socket" "$scratch/user"
+done
+understands user --user "$scratch"/user/*
 
 # Exposure is at most 2.0.
 for unit in marchd.service march-launch.service; do
@@ -94,6 +96,8 @@ has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'
 has user/marchd.socket 'ListenStream=%t/marchd.sock'
 has user/marchd.socket 'SocketMode=0600'
+has user/march-launch.socket 'SocketMode=0600'
+has user/marchd.service "ExecStart=/usr/bin/marchd --launch-socket $(sed -n 's/^ListenSequentialPacket=//p' "$deploy/user/march-launch.socket")"
 
 # systemd waits longer than the daemon's own limit for stopping.
 limit=$(sed -n 's/^#stop-timeout = //p' "$deploy/marchd.conf")

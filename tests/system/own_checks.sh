@@ -44,6 +44,10 @@ user_daemon_runs()
 
     inside loginctl enable-linger eve
     until_true "eve's service manager runs" eval 'as eve systemctl --user is-system-running | grep -qE "running|degraded"'
+    # Her only workers are a node's, which march-launch starts as her.
+    as eve mkdir -p .config
+    printf '%s\n' 'workers = none' "pool = here launcher=command nodes=x command='/usr/bin/march-worker --node'" \
+        >"$root/home/eve/.config/marchd.conf"
     as eve systemctl --user start marchd.service
     expect "eve's daemon" "$(as eve systemctl --user is-active marchd.service)" active
     expect "who runs it" "$(inside ps -o user= -p "$(as eve systemctl --user show -P MainPID marchd.service)")" eve
@@ -51,6 +55,7 @@ user_daemon_runs()
     cloud_job 1-2 64 36 mine >"$root/home/eve/job.json"
     id=$(as eve march submit --json job.json | jq -e .id)
     as eve march wait "$id"
+    expect "eve's workers" "$(as eve march workers --json | jq -c '[.. | objects | .pool? // empty] | unique')" '["here"]'
     expect "pictures of eve's" "$(find "$root/home/eve/marchd/mine" -name '*.exr' | wc -l)" 2
     expect "who owns them" "$(stat -c %u "$root/home/eve/marchd/mine/c.0001.exr")" "$(inside id -u eve)"
     # ann has no daemon of her own and uses the system's.
