@@ -1,11 +1,13 @@
 // march-launch: starts the launchers of the pools, ssh and others, for a daemon that has no network.
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
 #include "daemon/launch/launch_serve.h"
 
 #include <errno.h>
 #include <getopt.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -99,6 +101,14 @@ static void accept_all(int listening, const char *config_path)
     }
 }
 
+// Owned by the caller.
+static char *make_absolute(const char *path)
+{
+    char folder[PATH_MAX];
+
+    return *path == '/' || !getcwd(folder, sizeof folder) ? xstrdup(path) : xasprintf("%s/%s", folder, path);
+}
+
 int main(int argc, char **argv)
 {
     const char *config_path = "/etc/marchd/marchd.conf", *path = NULL;
@@ -120,5 +130,5 @@ int main(int argc, char **argv)
     listening = find_socket(path);
     if (listening < 0) return EXIT_FAILURE;
     signal(SIGCHLD, SIG_IGN); // children leave no zombies
-    accept_all(listening, config_path);
+    accept_all(listening, make_absolute(config_path));
 }

@@ -19,7 +19,7 @@ END
 start_launch()
 {
     rm -f "$launch_socket"
-    "$bin/march-launch" --config "$scratch/marchd.conf" --socket "$launch_socket" 2>>"$scratch/launch.log" &
+    (cd "$scratch" && exec "$bin/march-launch" --config marchd.conf --socket "$launch_socket" 2>>launch.log) &
     launch_pid=$!
     wait_until "march-launch listens" test -S "$launch_socket"
 }
