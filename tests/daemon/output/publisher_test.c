@@ -72,6 +72,7 @@ static void what_waits_is_done_in_batches(void **state)
     struct publish_request request = {.record = &record, .ticket = {.job = 1}};
     struct publisher *publisher;
     uv_loop_t loop;
+    bool is_in_step = true;
 
     uv_loop_init(&loop);
     uv_check_init(&loop, &counts.turn);
@@ -83,12 +84,13 @@ static void what_waits_is_done_in_batches(void **state)
         // The first waits for nobody, and neither does a crowd behind it, until all hands work.
         uint64_t hands = request.ticket.index ? 1 + (uint64_t)(request.ticket.index - 1) / PUBLISHER_CROWD : 0;
 
-        assert_int_equal(loop.active_reqs.count, hands < PUBLISHER_HANDS ? hands : PUBLISHER_HANDS);
+        is_in_step = is_in_step && loop.active_reqs.count == (hands < PUBLISHER_HANDS ? hands : PUBLISHER_HANDS);
         publisher_put_found(publisher, &request);
         request.ticket.index++;
     }
     assert_in_range(request.ticket.index, PUBLISHER_FULL, LIMIT);
     uv_run(&loop, UV_RUN_DEFAULT);
+    assert_true(is_in_step);
     assert_int_equal(counts.done, request.ticket.index);
     assert_in_range(counts.most, 1, PUBLISHER_BATCH * PUBLISHER_HANDS);
     assert_false(publisher_is_full(publisher));
