@@ -208,12 +208,12 @@ static void start_hand(struct publish_hand *hand)
 // Few requests wait for the hand that works: one sync of their folder is for all of them.
 static void start_hands(struct publish_lane *lane)
 {
-    size_t least = is_working(lane) ? PUBLISHER_CROWD : 1;
+    size_t least = is_working(lane) ? PUBLISHER_BATCH : 1;
 
     for (int i = 0; i < PUBLISHER_HANDS && lane->intended.count >= least; i++) {
         if (lane->hands[i].is_working) continue;
         start_hand(&lane->hands[i]);
-        least = PUBLISHER_CROWD;
+        least = PUBLISHER_BATCH;
     }
 }
 

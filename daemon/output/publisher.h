@@ -39,9 +39,8 @@ struct publish_request {
 };
 
 enum {
-    PUBLISHER_BATCH = 1024,    // requests that are looked at or renamed together, and reported in one turn of the loop
+    PUBLISHER_BATCH = 256,     // most requests that are looked at or renamed together; so many wait for no other batch
     PUBLISHER_HANDS = 4,       // batches at once in an output root
-    PUBLISHER_CROWD = 256,     // requests that do not wait for the batch before theirs
     PUBLISHER_FULL = 16 * 1024 // requests with which a publisher is full
 };
 

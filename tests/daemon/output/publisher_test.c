@@ -81,8 +81,8 @@ static void what_waits_is_done_in_batches(void **state)
     uv_unref((uv_handle_t *)&counts.turn);
     publisher = publisher_create(&loop, "farm", NULL, on_done, &counts);
     while (!publisher_is_full(publisher)) {
-        // The first waits for nobody, and neither does a crowd behind it, until all hands work.
-        uint64_t hands = request.ticket.index ? 1 + (uint64_t)(request.ticket.index - 1) / PUBLISHER_CROWD : 0;
+        // The first waits for nobody, and neither does a full batch behind it, until all hands work.
+        uint64_t hands = request.ticket.index ? 1 + (uint64_t)(request.ticket.index - 1) / PUBLISHER_BATCH : 0;
 
         is_in_step = is_in_step && loop.active_reqs.count == (hands < PUBLISHER_HANDS ? hands : PUBLISHER_HANDS);
         publisher_put_found(publisher, &request);
