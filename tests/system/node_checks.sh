@@ -17,25 +17,30 @@ worker_package_installs()
     expect "what is left" "$(ls "$root/usr/bin/march-worker" 2>/dev/null)" ""
 }
 
-# start_sshd: on a port of 127.0.0.1, which is in $port. Its only key starts march-worker --node, whatever it is asked for.
+# start_sshd: on a port of 127.0.0.1, which is in $port. Keys are made and put there as docs/operations.md says.
 start_sshd()
 {
-    local ssh=$root/etc/marchd/ssh
+    local line ssh=$root/etc/marchd/ssh
 
-    inside ssh-keygen -q -t ed25519 -N '' -f /etc/marchd/ssh/id
-    inside sh -c 'chgrp marchd /etc/marchd/ssh/id && chmod 640 /etc/marchd/ssh/id'
-    inside sh -c 'echo "restrict,command=\"/usr/bin/march-worker --node\" $(cat /etc/marchd/ssh/id.pub)" >/etc/ssh/node_keys'
+    cat >"$root/root/make_keys" <<'END'
+cd /etc/marchd/ssh
+ssh-keygen -q -t ed25519 -N '' -f id && chgrp marchd id && chmod 640 id && echo "restrict,command=\"/usr/bin/march-worker --node\" $(cat id.pub)" >node_key
+install -D -o marchd -m 600 node_key ~marchd/.ssh/authorized_keys
+END
+    while IFS= read -r line; do
+        grep -qxF -- "$line" "$here/../docs/operations.md" || [ "$line" = "cd /etc/marchd/ssh" ] || fail "docs/operations.md says otherwise: $line"
+    done <"$root/root/make_keys"
+    inside sh -e /root/make_keys
     inside mkdir -p /run/sshd
     inside usermod -s /bin/sh marchd
     until
         port=$((20000 + RANDOM % 12000))
-        inside systemd-run -q --unit="test-sshd-$port" /usr/sbin/sshd -D -p "$port" -o ListenAddress=127.0.0.1 \
-            -o AuthorizedKeysFile=/etc/ssh/node_keys -o PidFile=none
+        inside systemd-run -q --unit="test-sshd-$port" /usr/sbin/sshd -D -p "$port" -o ListenAddress=127.0.0.1 -o PidFile=none
         comes_true eval '! inside systemctl is-active -q "test-sshd-$port" || inside journalctl -q -u "test-sshd-$port" -g "Server listening"'
         inside systemctl is-active -q "test-sshd-$port"
     do :; done
-    echo "node1 $(cut -d' ' -f1,2 "$root/etc/ssh/ssh_host_ed25519_key.pub")" >"$ssh/known_hosts"
-    printf '%s\n' 'Host node1' "    Port $port" '    HostName 127.0.0.1' '    HostKeyAlias node1' >>"$ssh/config"
+    inside ssh-keyscan -t ed25519 -p "$port" 127.0.0.1 >"$ssh/known_hosts"
+    printf '%s\n' 'Host node1' "    Port $port" '    HostName 127.0.0.1' >>"$ssh/config"
 }
 
 node_says() { inside journalctl -q -u marchd.service -o cat -g "$1" >/dev/null; }
@@ -45,6 +50,10 @@ node_renders()
     local id launch port
 
     start_sshd
+    # The key starts a node, whatever it is used for.
+    inside setpriv --reuid marchd --regid marchd --clear-groups sh -c \
+        'sleep 1 | ssh -T -o BatchMode=yes -F /etc/marchd/ssh/config node1 id' >"$work/hello"
+    grep -q '^marchd-node {' "$work/hello" && ! grep -q uid= "$work/hello" || fail "the key is for anything: $(cat "$work/hello")"
     # A launcher that tries what a march-launch that was taken over could try.
     cat >"$root/usr/local/bin/probe" <<'END'
 #!/bin/sh
@@ -91,5 +100,5 @@ END
     cp "$work/conf" "$root/etc/marchd/marchd.conf"
     inside systemctl start marchd.socket marchd.service
     inside systemctl stop "test-sshd-$port"
-    inside sh -c 'rm -f /etc/marchd/ssh/id* /etc/marchd/ssh/known_hosts /etc/ssh/node_keys /usr/local/bin/probe'
+    inside sh -c 'rm -f /etc/marchd/ssh/id* /etc/marchd/ssh/known_hosts /etc/marchd/ssh/node_key /usr/local/bin/probe'
 }
