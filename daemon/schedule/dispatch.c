@@ -32,6 +32,7 @@ size_t dispatch_count_fitting(double frame_s, double left_s, size_t in_flight)
 {
     double count;
 
+    if (left_s <= 0) return 0;
     if (!(frame_s > 0) || isinf(left_s)) return SIZE_MAX;
     count = floor(left_s / frame_s) - (double)in_flight;
     if (!(count > 0)) return 0;

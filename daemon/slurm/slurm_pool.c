@@ -50,8 +50,10 @@ struct slurm_pool {
     int64_t stay_ms; // the longest time of an allocation
     int want;
     char idle_reason[160]; // why no more machines are wanted
+    bool is_too_long;      // frames wait that no machine stays for
+    char lease_told[128];  // what was said of the lease
     struct retry_backoff backoff;
-    char *trouble; // owned; why Slurm, or the lease, cannot be used; NULL: they can
+    char *trouble; // owned; why Slurm cannot be used; NULL: it can
 };
 
 static void on_call_end(void *user, char *text, const char *trouble);
@@ -91,6 +93,7 @@ static void set_trouble(struct slurm_pool *slurm, char *trouble)
     bool is_news = trouble && (!slurm->trouble || strcmp(trouble, slurm->trouble) != 0);
 
     if (is_news) log_warn("pool %s: %s", slurm->params.pool->name, trouble);
+    if (slurm->trouble && !trouble) log_info("pool %s: Slurm answers again", slurm->params.pool->name);
     free(slurm->trouble);
     slurm->trouble = trouble;
 }
@@ -225,6 +228,14 @@ static void begin_place(struct slurm_pool *slurm, int index, int64_t job)
     *placed = (struct placed){.job = job, .ready_ms = slurm->now_ms};
 }
 
+// Why there is no node in it.
+static const char *reason_of(const struct slurm_pool *slurm, const struct allocation *allocation)
+{
+    if (allocation->state == ALLOCATION_NONE && trouble_of(slurm)) return trouble_of(slurm);
+    if (allocation->state == ALLOCATION_NONE && slurm->is_too_long) return slurm->idle_reason;
+    return allocation->reason ? allocation->reason : slurm->idle_reason;
+}
+
 // The node lives where the allocation runs.
 static void place(struct slurm_pool *slurm, int index)
 {
@@ -232,10 +243,9 @@ static void place(struct slurm_pool *slurm, int index)
     struct placed *placed = &slurm->placed[index];
     struct node *node = slurm->params.nodes[index];
     int64_t job = allocation->state == ALLOCATION_RUNS && !allocation->cancel_ms ? allocation->job : 0;
-    const char *reason = allocation->reason ? allocation->reason : slurm->idle_reason;
+    const char *reason = reason_of(slurm, allocation);
     char text[24];
 
-    if (allocation->state == ALLOCATION_NONE && trouble_of(slurm)) reason = trouble_of(slurm);
     if (job == 0 || job != placed->job) node_hold(node, reason, allocation->cancel_ms > 0);
     if (job != placed->job) begin_place(slurm, index, job);
     if (job == 0) return;
@@ -246,7 +256,7 @@ static void place(struct slurm_pool *slurm, int index)
     if (placed->is_up && node_state(node) != NODE_READY) look_soon(slurm); // Slurm may know why
     placed->is_up = node_state(node) == NODE_READY;
     if (!placed->is_up) return;
-    retry_backoff_succeed(&slurm->backoff);
+    if (!placed->was_ready) retry_backoff_succeed(&slurm->backoff);
     placed->ready_ms = slurm->now_ms;
     placed->was_ready = true;
 }
@@ -292,7 +302,7 @@ static void step(struct slurm_pool *slurm)
     index = allocations_find_to_cancel(allocations, slurm->want, settings(slurm)->idle_ms, slurm->now_ms);
     if (index >= 0) {
         give_back(slurm, index,
-                  allocations->all[index].is_short ? "the rest of its time is too short" : "no frame waits for it");
+                  allocations->all[index].is_short ? "the rest of its time is too short" : slurm->idle_reason);
         return;
     }
     index = allocations_find_to_ask(allocations, slurm->want);
@@ -308,9 +318,12 @@ void slurm_pool_note_busy(struct slurm_pool *slurm, int node, int64_t now_ms)
 // An allocation ends by itself without the lease, so none is asked for before it is written.
 static void hold_lease(struct slurm_pool *slurm)
 {
+    const char *trouble = slurm_lease_trouble(slurm->lease);
+
     if (slurm->now_ms < slurm->lease_ms) return;
-    if (slurm_lease_trouble(slurm->lease))
-        log_warn("pool %s: lease: %s", slurm->params.pool->name, slurm_lease_trouble(slurm->lease));
+    if (trouble && strncmp(trouble, slurm->lease_told, sizeof slurm->lease_told - 1) != 0)
+        log_warn("pool %s: lease: %s", slurm->params.pool->name, trouble);
+    snprintf(slurm->lease_told, sizeof slurm->lease_told, "%s", trouble ? trouble : "");
     slurm->lease_ms = slurm->now_ms + settings(slurm)->keep_ms / LEASE_MOVES;
     slurm_lease_move(slurm->lease);
 }
@@ -327,7 +340,8 @@ double slurm_pool_stay_s(const struct slurm_pool *slurm)
 
 static void set_idle_reason(struct slurm_pool *slurm, const struct slurm_need *need)
 {
-    if (need->tasks == 0 && need->too_long_s > 0)
+    slurm->is_too_long = need->tasks == 0 && need->too_long_s > 0;
+    if (slurm->is_too_long)
         snprintf(slurm->idle_reason, sizeof slurm->idle_reason,
                  "a frame of the job takes %.0f s, Slurm's machines stay for %.0f s: pool %s needs a longer time",
                  need->too_long_s, slurm_pool_stay_s(slurm), slurm->params.pool->name);

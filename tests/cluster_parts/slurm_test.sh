@@ -13,7 +13,7 @@ fi
 . "$here/tests/process/farm.sh"
 chmod 711 "$scratch"
 cluster=$scratch/cluster
-all="frames restart walled controller asked again power step cut none_free no_srun operator runs_out chaos"
+all="frames restart walled controller asked again power step cut none_free no_srun operator too_long runs_out chaos"
 workers=2 # on each machine
 max=3
 minutes=${MINUTES:-5} # of chaos
@@ -327,6 +327,23 @@ operator()
     end_farm
 }
 
+# A job whose frames take longer than any allocation asks for none, and says so.
+too_long()
+{
+    sed "s|--worker .*|--worker \"$(stub write:2000)\"|" "$scratch/node" >"$scratch/two" && chmod +x "$scratch/two"
+    printf '#!/bin/sh\n%s "$@" | sed "s/|UNLIMITED|/|0:01|/"\n' "$(command -v squeue)" >"$scratch/commands/squeue"
+    chmod +x "$scratch/commands/squeue"
+    max=1
+    start_farm "program=$scratch/two"
+    id=$(submit "$(job 1-40 '.output.path = "long/f.####.exr"')")
+    wait_until "the job says so" eval '[[ "$(field "$id" .reason)" == *"takes 2 s, Slurm'"'"'s machines stay for 1 s: pool far needs a longer time"* ]]'
+    wait_until "the machine is given back" has_jobs 0
+    ask job.cancel "{\"id\":$id}" >/dev/null
+    rm "$scratch/commands/squeue"
+    end_farm
+    max=3
+}
+
 # The time of allocations runs out. No frame is begun that would not be done; of one whose time is unknown Slurm ends the
 # worker, and it costs no attempt.
 runs_out()
@@ -355,10 +372,12 @@ runs_out()
 # Something breaks every second.
 chaos()
 {
-    local ends victim frames=$((minutes * 60 * 8 + 100)) round=0
+    local ends victim frames=$((minutes * 60 * 20)) round=0 slow
 
     [ "$minutes" -gt 0 ] || return 0
-    start_farm workers=4 gres=gpu:2
+    slow=$(stub write:500)
+    sed "s|--worker .*|--worker \"$slow\"|" "$scratch/node" >"$scratch/half" && chmod +x "$scratch/half"
+    start_farm workers=4 gres=gpu:2 "program=$scratch/half"
     id=$(submit "$(job "1-$frames" '.output.path = "chaos/f.####.exr"')")
     ends=$((SECONDS + minutes * 60))
     while [ $SECONDS -lt $ends ]; do
@@ -366,15 +385,15 @@ chaos()
         round=$((round + 1))
         victim=n$((RANDOM % 3 + 1))
         case $((RANDOM % 8)) in
-        0 | 1 | 2) pkill -KILL -o -f "$bin/stub-worker" ;;
-        3) pkill -KILL -n -f "$bin/march-worker --node" ;;
+        0 | 1 | 2) kill -KILL "$(pgrep -o -f "$bin/stub-worker")" ;;
+        3) kill -KILL "$(pgrep -n -f "$bin/march-worker --node")" ;;
         4) scancel "$(squeue -h -s -w $victim -o %i 2>/dev/null | grep -E '\.[0-9]+$' | head -n 1)" ;;
-        5) pkill -KILL -n -x srun ;;
+        5) kill -KILL "$(pgrep -n -x srun)" ;;
         6)
             [ $((round % 10)) -ne 0 ] || { power_off $victim; power_on $victim; }
             ;;
         7)
-            [ $((round % 7)) -ne 0 ] || { kill_daemon; start_farm workers=4 gres=gpu:2; }
+            [ $((round % 7)) -ne 0 ] || { kill_daemon; start_farm workers=4 gres=gpu:2 "program=$scratch/half"; }
             ;;
         esac 2>/dev/null
     done

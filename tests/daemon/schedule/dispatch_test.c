@@ -76,6 +76,7 @@ static void no_frame_is_begun_that_does_not_end(void **state)
     assert_int_equal(dispatch_count_fitting(5, 14.9, 2), 0);
     assert_int_equal(dispatch_count_fitting(5, 14.9, 3), 0);
     assert_int_equal(dispatch_count_fitting(5, -1, 0), 0);
+    assert_int_equal(dispatch_count_fitting(0, 0, 0), 0);
     assert_int_equal(dispatch_count_fitting(1e-9, 1e9, 0), DISPATCH_CHUNK_LIMIT);
 }
 
