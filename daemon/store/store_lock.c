@@ -65,11 +65,13 @@ static bool has_open(const char *pid, const struct stat *file)
     struct stat status;
     bool found = false;
     DIR *descriptors;
+    int folder;
 
     snprintf(path, sizeof path, "/proc/%s/fd", pid);
     descriptors = opendir(path);
-    while (descriptors && !found && (entry = readdir(descriptors)))
-        found = entry->d_name[0] != '.' && fstatat(dirfd(descriptors), entry->d_name, &status, 0) == 0 &&
+    folder = descriptors ? dirfd(descriptors) : -1;
+    while (folder >= 0 && !found && (entry = readdir(descriptors)))
+        found = entry->d_name[0] != '.' && fstatat(folder, entry->d_name, &status, 0) == 0 &&
                 status.st_dev == file->st_dev && status.st_ino == file->st_ino;
     if (descriptors) closedir(descriptors);
     return found;
