@@ -38,6 +38,12 @@ struct node_launch {
     bool has_process, has_exited, is_ending;
 };
 
+// srun says at last that its task ended. What came before says why.
+static bool is_news(const char *line)
+{
+    return strncmp(line, "srun: error: ", strlen("srun: error: ")) != 0 || !strstr(line, ": task 0: ");
+}
+
 static void take_text(struct node_launch *launch, const char *bytes, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -46,9 +52,9 @@ static void take_text(struct node_launch *launch, const char *bytes, size_t coun
         if (!is_end) launch->text[launch->length++] = bytes[i];
         if (!is_end || launch->length == 0) continue;
         launch->text[launch->length] = '\0';
-        memcpy(launch->last, launch->text, launch->length + 1);
+        if (is_news(launch->text)) memcpy(launch->last, launch->text, launch->length + 1);
         launch->length = 0;
-        if (launch->on_text) launch->on_text(launch->user, launch->last);
+        if (launch->on_text) launch->on_text(launch->user, launch->text);
     }
 }
 

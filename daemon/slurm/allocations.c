@@ -251,5 +251,5 @@ void allocations_note_silence(struct allocations *allocations, int index, const 
 void allocations_note_canceled(struct allocations *allocations, int index, const char *reason, int64_t now_ms)
 {
     allocations->all[index].cancel_ms = now_ms;
-    set_text(&allocations->all[index].reason, xstrdup(reason));
+    set_text(&allocations->all[index].reason, reason ? xstrdup(reason) : NULL);
 }

@@ -66,4 +66,5 @@ void allocations_note_asked(struct allocations *allocations, int index);
 void allocations_note_job(struct allocations *allocations, int index, int64_t job, int64_t now_ms);
 // Slurm did not say that it took it: that is sure a while later.
 void allocations_note_silence(struct allocations *allocations, int index, const char *trouble, int64_t now_ms);
+// `reason` may be NULL.
 void allocations_note_canceled(struct allocations *allocations, int index, const char *reason, int64_t now_ms);

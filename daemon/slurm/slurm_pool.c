@@ -187,7 +187,11 @@ static void take_job(struct slurm_pool *slurm, const char *text, const char *tro
         allocations_note_job(&slurm->allocations, slurm->index, job, slurm->now_ms);
         return;
     }
-    reason = xasprintf("sbatch: %s", *trouble ? trouble : text && *text ? error.message : "no answer");
+    // What sbatch says begins with its name.
+    if (*trouble)
+        reason = xstrdup(trouble);
+    else
+        reason = xasprintf("sbatch: %s", text && *text ? error.message : "no answer");
     log_warn("pool %s: %s", slurm->params.pool->name, reason);
     allocations_note_silence(&slurm->allocations, slurm->index, reason, slurm->now_ms);
     retry_backoff_fail(&slurm->backoff, slurm->now_ms);
@@ -301,8 +305,9 @@ static void step(struct slurm_pool *slurm)
     if (give_back_useless(slurm)) return;
     index = allocations_find_to_cancel(allocations, slurm->want, settings(slurm)->idle_ms, slurm->now_ms);
     if (index >= 0) {
-        give_back(slurm, index,
-                  allocations->all[index].is_short ? "the rest of its time is too short" : slurm->idle_reason);
+        if (allocations->all[index].is_short)
+            log_info("pool %s: the rest of its time is too short", slurm->params.pool->name);
+        give_back(slurm, index, NULL);
         return;
     }
     index = allocations_find_to_ask(allocations, slurm->want);
@@ -340,13 +345,16 @@ double slurm_pool_stay_s(const struct slurm_pool *slurm)
 
 static void set_idle_reason(struct slurm_pool *slurm, const struct slurm_need *need)
 {
+    int there = slurm->allocations.count - allocations_count(&slurm->allocations, ALLOCATION_NONE);
+
     slurm->is_too_long = need->tasks == 0 && need->too_long_s > 0;
     if (slurm->is_too_long)
         snprintf(slurm->idle_reason, sizeof slurm->idle_reason,
                  "a frame of the job takes %.0f s, Slurm's machines stay for %.0f s: pool %s needs a longer time",
                  need->too_long_s, slurm_pool_stay_s(slurm), slurm->params.pool->name);
     else
-        snprintf(slurm->idle_reason, sizeof slurm->idle_reason, "no frame waits for it");
+        snprintf(slurm->idle_reason, sizeof slurm->idle_reason, "%s",
+                 slurm->want > there ? "it is not asked for yet" : "no frame waits for it");
 }
 
 void slurm_pool_check(struct slurm_pool *slurm, const struct slurm_need *need, int64_t now_ms)

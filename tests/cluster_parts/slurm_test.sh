@@ -310,6 +310,9 @@ no_srun()
     wait_until "it is told" says "srun: no such file"
     stop_daemon
     as_daemon=("${before[@]}")
+    start_daemon --workers none --pool "far launcher=slurm max=1 heartbeat=5 idle=2 keep=10 program=/nowhere/march-worker"
+    wait_until "what lacks there is told" says "/nowhere/march-worker: No such file or directory"
+    stop_daemon
     start_farm
     end_work srun 4
     end_farm
