@@ -6,11 +6,13 @@
 
 #include <stdlib.h>
 
-enum { SEEN_MS = 10 * 1000 };
+enum { SEEN_MS = 10 * 1000, RUNNING_LIMIT = 2 };
 
 struct node_look {
     uv_work_t work;
-    struct node_probe probe; // owned
+    struct node_looks *looks; // borrowed
+    struct node_look *next;   // that waits
+    struct node_probe probe;  // owned
     enum node_look_step step;
     node_look_on_done *on_done; // NULL: abandoned
     void *user;
@@ -39,10 +41,24 @@ static void run(uv_work_t *work)
     }
 }
 
+static void on_done(uv_work_t *work, int status);
+
+static void start_next(struct node_looks *looks)
+{
+    struct node_look *look = looks->first;
+
+    if (!look || looks->running == RUNNING_LIMIT) return;
+    looks->first = look->next;
+    looks->running++;
+    uv_queue_work(looks->loop, &look->work, run, on_done);
+}
+
 static void on_done(uv_work_t *work, int status)
 {
     struct node_look *look = work->data;
 
+    look->looks->running--;
+    start_next(look->looks);
     if (look->on_done)
         look->on_done(look->user, &look->probe, &look->error);
     else
@@ -50,10 +66,10 @@ static void on_done(uv_work_t *work, int status)
     free(look);
 }
 
-struct node_look *node_look_start(uv_loop_t *loop, struct node_probe *probe, enum node_look_step step,
+struct node_look *node_look_start(struct node_looks *looks, struct node_probe *probe, enum node_look_step step,
                                   node_look_on_done *done, void *user)
 {
-    struct node_look *look = xcalloc(1, sizeof *look);
+    struct node_look *look = xcalloc(1, sizeof *look), **end = &looks->first;
 
     look->probe = *probe;
     *probe = (struct node_probe){0};
@@ -61,7 +77,11 @@ struct node_look *node_look_start(uv_loop_t *loop, struct node_probe *probe, enu
     look->on_done = done;
     look->user = user;
     look->work.data = look;
-    uv_queue_work(loop, &look->work, run, on_done);
+    look->looks = looks;
+    while (*end)
+        end = &(*end)->next;
+    *end = look;
+    start_next(looks);
     return look;
 }
 

@@ -77,8 +77,8 @@ static bool open_end(uv_pipe_t *end, int fd, struct error *error)
     return false;
 }
 
-struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, const struct node_pipe_handlers *handlers,
-                                 void *user, struct error *error)
+struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, size_t line_limit,
+                                 const struct node_pipe_handlers *handlers, void *user, struct error *error)
 {
     struct node_pipe *pipe = xcalloc(1, sizeof *pipe);
     bool is_open;
@@ -87,8 +87,7 @@ struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, const s
     pipe->user = user;
     pipe->open_handles = 2;
     pipe->heard_ms = uv_now(loop);
-    // The line of a worker's message has a head.
-    pipe->stream.limit_bytes = MESSAGE_LINE_LIMIT + NODE_LINE_HEAD_SIZE;
+    pipe->stream.limit_bytes = line_limit + NODE_LINE_HEAD_SIZE;
     uv_pipe_init(loop, &pipe->in, 0);
     uv_pipe_init(loop, &pipe->out, 0);
     pipe->in.data = pipe->out.data = pipe;

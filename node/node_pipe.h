@@ -21,9 +21,10 @@ struct node_pipe_handlers {
     void (*on_end)(void *user, const struct error *error);
 };
 
-// Takes over the two descriptors, pipes or sockets. NULL on failure, with the cause; they are then closed.
-struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, const struct node_pipe_handlers *handlers,
-                                 void *user, struct error *error);
+// A line has at most `line_limit` bytes behind its head. Takes over the two descriptors, pipes or sockets. NULL on
+// failure, with the cause; they are then closed.
+struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, size_t line_limit,
+                                 const struct node_pipe_handlers *handlers, void *user, struct error *error);
 void node_pipe_close(struct node_pipe *pipe); // no handler is called any more; it frees itself
 // What is written is sent in order, however long that takes. `length` bytes of `rest` may not hold a newline.
 void node_pipe_say(struct node_pipe *pipe, enum node_word word, int worker, const char *rest, size_t length);

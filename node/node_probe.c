@@ -94,16 +94,41 @@ static bool write_file(struct node_probe_root *root, int root_fd, const char *na
     return ok;
 }
 
+static bool note_folder(struct node_probe_root *root, int root_fd, struct error *error)
+{
+    struct stat status;
+
+    if (fstat(root_fd, &status) == 0) {
+        root->written.inode = status.st_ino;
+        return true;
+    }
+    error_set_errno(error, errno, "input root %s", root->path);
+    return false;
+}
+
+static void leave_out_missing_inputs(struct node_probe *probe)
+{
+    for (size_t i = probe->count; i-- > 0;) {
+        struct node_probe_root *root = &probe->roots[i];
+
+        if (is_output(root) || access(root->path, F_OK) == 0) continue;
+        free(root->path);
+        *root = probe->roots[--probe->count];
+    }
+}
+
 bool node_probe_write(struct node_probe *probe, enum node_probe_side side, struct error *error)
 {
     char name[NAME_SIZE];
     bool ok = true;
 
     format_name(probe, side, name);
+    if (side == NODE_PROBE_DAEMON) leave_out_missing_inputs(probe);
     for (size_t i = 0; ok && i < probe->count; i++) {
-        int fd = open_root(&probe->roots[i], error);
+        struct node_probe_root *root = &probe->roots[i];
+        int fd = open_root(root, error);
 
-        ok = fd >= 0 && (!is_output(&probe->roots[i]) || write_file(&probe->roots[i], fd, name, error));
+        ok = fd >= 0 && (is_output(root) ? write_file(root, fd, name, error) : note_folder(root, fd, error));
         if (fd >= 0) close(fd);
     }
     return ok;
@@ -151,6 +176,16 @@ static bool look_at(const struct node_probe_root *root, int root_fd, const char 
     return false;
 }
 
+static bool look_at_folder(const struct node_probe_root *root, int root_fd, struct error *error)
+{
+    struct stat status;
+
+    if (strcmp(root->path, "/") == 0 || (fstat(root_fd, &status) == 0 && status.st_ino == root->told.inode))
+        return true;
+    error_set(error, "input root %s: it has another inode number on each machine: not the same folder", root->path);
+    return false;
+}
+
 bool node_probe_look(struct node_probe *probe, enum node_probe_side other, int limit_ms, struct error *error)
 {
     char name[NAME_SIZE];
@@ -158,9 +193,11 @@ bool node_probe_look(struct node_probe *probe, enum node_probe_side other, int l
 
     format_name(probe, other, name);
     for (size_t i = 0; ok && i < probe->count; i++) {
-        int fd = open_root(&probe->roots[i], error);
+        const struct node_probe_root *root = &probe->roots[i];
+        int fd = open_root(root, error);
 
-        ok = fd >= 0 && (!is_output(&probe->roots[i]) || look_at(&probe->roots[i], fd, name, limit_ms, error));
+        probe->is_own_fault = fd < 0;
+        ok = fd >= 0 && (is_output(root) ? look_at(root, fd, name, limit_ms, error) : look_at_folder(root, fd, error));
         if (fd >= 0) close(fd);
     }
     return ok;
@@ -204,15 +241,17 @@ void node_probe_write_json(const struct node_probe *probe, const char *fault, st
     json_write_end_object(writer);
 }
 
-static struct node_probe_root *find_root(struct node_probe *probe, const char *path, const char *id)
+// NULL: an answer names a root that was not asked about.
+static struct node_probe_root *find_root(struct node_probe *probe, bool is_answer, const char *path, const char *id)
 {
     for (size_t i = 0; i < probe->count; i++)
         if (strcmp(probe->roots[i].path, path) == 0) return &probe->roots[i];
+    if (is_answer) return NULL;
     node_probe_add(probe, path, id);
     return &probe->roots[probe->count - 1];
 }
 
-static bool read_root(struct node_probe *probe, const struct json_node *object, struct error *error)
+static bool read_root(struct node_probe *probe, bool is_answer, const struct json_node *object, struct error *error)
 {
     struct json_node path = json_node_child(object, "path"), id = json_node_child(object, "id");
     struct json_node inode = json_node_child(object, "inode"), uid = json_node_child(object, "uid");
@@ -223,7 +262,8 @@ static bool read_root(struct node_probe *probe, const struct json_node *object, 
     if (!json_read_string(&path, &path_text, error) || !json_read_string(&id, &id_text, error) ||
         !json_read_string(&inode, &inode_text, error) || !json_read_integer(&uid, 0, UINT32_MAX, &uid_number, error))
         return false;
-    root = find_root(probe, path_text, id_text);
+    root = find_root(probe, is_answer, path_text, id_text);
+    if (!root) return json_fail_expected(&path, error, "a root of the probe");
     root->told = (struct node_probe_file){.inode = strtoull(inode_text, NULL, 10), .uid = uid_number};
     return true;
 }
@@ -233,6 +273,7 @@ bool node_probe_read_json(struct node_probe *probe, const struct json_node *obje
     struct json_node token = json_node_child(object, "token"), fault = json_node_child(object, "fault");
     struct json_node roots = json_node_child(object, "roots"), root = {0};
     const char *token_text, *fault_text;
+    bool is_answer = probe->token[0] != '\0';
 
     if (json_read_string(&fault, &fault_text, NULL)) {
         error_set(error, "%s", fault_text);
@@ -245,6 +286,6 @@ bool node_probe_read_json(struct node_probe *probe, const struct json_node *obje
     }
     memcpy(probe->token, token_text, sizeof probe->token);
     while (json_node_next(&roots, &root))
-        if (!read_root(probe, &root, error)) return false;
+        if (!read_root(probe, is_answer, &root, error)) return false;
     return true;
 }

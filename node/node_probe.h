@@ -32,6 +32,7 @@ struct node_probe {
     char token[ROOT_MARKER_ID_SIZE]; // of this probe; in the names of its files
     struct node_probe_root *roots;   // owned
     size_t count, capacity;
+    bool is_own_fault; // of a look that failed: a root is not there on this side
 };
 
 enum node_probe_side { NODE_PROBE_DAEMON, NODE_PROBE_NODE };
@@ -39,8 +40,9 @@ enum node_probe_side { NODE_PROBE_DAEMON, NODE_PROBE_NODE };
 void node_probe_add(struct node_probe *probe, const char *path, const char *id); // copies
 void node_probe_finish(struct node_probe *probe);
 
-// Both block. Write makes this side's files; look waits until the other side's are seen, each at most so long, and says
-// what is wrong: false.
+// Both block. Write makes this side's files and notes the inodes of input roots; the daemon leaves out input roots that
+// it lacks. Look waits until the other side's files are seen, each at most so long. False: what is wrong is in `error`.
+// Of "/", which is each machine's own, only that it is there is looked at.
 bool node_probe_write(struct node_probe *probe, enum node_probe_side side, struct error *error);
 bool node_probe_look(struct node_probe *probe, enum node_probe_side other, int limit_ms, struct error *error);
 void node_probe_remove(const struct node_probe *probe); // the files of both sides, as far as they are there
@@ -48,6 +50,6 @@ void node_probe_remove(const struct node_probe *probe); // the files of both sid
 // The objects of NODE_PROBE and NODE_PROBED: the roots and what was written; `fault`, which may be NULL, is what is
 // wrong.
 void node_probe_write_json(const struct node_probe *probe, const char *fault, struct json_writer *writer);
-// Reads the other side's object into `told` of an empty probe's, or of the same, roots. A fault of the other side is an
-// error.
+// Reads the other side's object into `told` of the roots: an empty probe gets the roots, another one has to have them.
+// A fault of the other side is an error.
 bool node_probe_read_json(struct node_probe *probe, const struct json_node *object, struct error *error);

@@ -14,10 +14,9 @@
 
 enum {
     CHANNEL_FD = 3,
-    LAST_WORDS_MS = 1000,    // wait for output after its exit: a grandchild may hold its pipes open
-    EXIT_MS = 5000,          // wait for its exit after it closed its channel
-    LINE_LIMIT = 256 * 1024, // bytes of a message, which is read on the loop; a plan is the longest
-    READS_LIMIT = 16         // reads of a waiting log in a row, so that endless output does not hold the loop
+    LAST_WORDS_MS = 1000, // wait for output after its exit: a grandchild may hold its pipes open
+    EXIT_MS = 5000,       // wait for its exit after it closed its channel
+    READS_LIMIT = 16      // reads of a waiting log in a row, so that endless output does not hold the loop
 };
 
 struct worker_child {
@@ -100,7 +99,7 @@ struct worker_child *worker_child_start(uv_loop_t *loop, const struct worker_chi
 
     child->handlers = handlers;
     child->user = user;
-    child->stream.limit_bytes = LINE_LIMIT;
+    child->stream.limit_bytes = WORKER_CHILD_LINE_LIMIT;
     child->open_handles = 3;
     uv_pipe_init(loop, &child->channel, 0);
     uv_pipe_init(loop, &child->errors, 0);

@@ -11,7 +11,8 @@
 struct error;
 struct worker_child;
 
-enum { WORKER_CHILD_LOG_BYTES = 4096 }; // at most so much of the log at once
+enum { WORKER_CHILD_LOG_BYTES = 4096 };        // at most so much of the log at once
+enum { WORKER_CHILD_LINE_LIMIT = 256 * 1024 }; // bytes of a message, which is read on the loop; a plan is the longest
 
 struct worker_child_params {
     const char *program, *backend; // borrowed during the call, as all strings

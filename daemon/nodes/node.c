@@ -20,10 +20,14 @@
 #include <string.h>
 
 enum {
-    HOST_SIZE = 255,       // bytes of a machine's name
-    ANSWER_MS = 60 * 1000, // so long a launcher, or a look at the folders, may take
-    BEATS = 4,             // beats in the time after which silence is an end
-    BANNER_LINES = 1000    // lines that shells may print first
+    HOST_SIZE = 255,          // bytes of a machine's name
+    PROBE_MS = 150 * 1000,    // from its launch until its folders are looked at
+    ANSWER_MS = 60 * 1000,    // so long a launcher, or a look at the folders, may take
+    BEATS = 4,                // beats in the time after which silence is an end
+    WAITING_LIMIT = 64 << 20, // bytes that a node has not read
+    TEXT_SIZE = 512,          // bytes that are logged of a line that is none of a node
+    TEXT_LINES = 20,          // such lines a second that are logged
+    BANNER_LINES = 1000       // lines that shells may print first
 };
 
 struct node {
@@ -40,6 +44,8 @@ struct node {
     int64_t launched_ms, next_beat_ms, now_ms;
     int64_t asked_ms; // when it was asked to look at the roots; 0: it has answered
     int banner_lines;
+    int text_lines; // in the second from `text_since_ms`
+    int64_t text_since_ms;
     struct node_workers workers;
     char *host, *reason;  // owned
     const char *own_name; // as it was created with
@@ -94,11 +100,26 @@ static void set_reason(struct node *node, char *reason)
     node->reason = reason;
 }
 
+static void log_text(struct node *node, const char *text, size_t length)
+{
+    if (node->now_ms - node->text_since_ms >= 1000) {
+        node->text_since_ms = node->now_ms;
+        node->text_lines = 0;
+    }
+    if (++node->text_lines <= TEXT_LINES)
+        log_info("node %s: %.*s", node->params.name, (int)(length < TEXT_SIZE ? length : TEXT_SIZE), text);
+    if (node->text_lines == TEXT_LINES + 1) log_info("node %s: it says more, which is left out", node->params.name);
+}
+
 static void on_text(void *user, const char *line)
 {
-    struct node *node = user;
+    log_text(user, line, strlen(line));
+}
 
-    log_info("node %s: %s", node->params.name, line);
+// The files of a probe that goes no further.
+static void remove_probe(struct node *node)
+{
+    node_look_abandon(node_look_start(node->params.looks, &node->probe, NODE_LOOK_REMOVES, NULL, NULL));
 }
 
 // The node and all its workers are gone. A reason from the launcher or the node's own words goes before.
@@ -114,7 +135,7 @@ static void lose(struct node *node, const char *reason)
     if (node->pipe) node_pipe_close(node->pipe);
     if (node->launch) node_launch_end(node->launch);
     node_look_abandon(node->look);
-    node_probe_finish(&node->probe);
+    if (node->probe.count > 0) remove_probe(node);
     node->pipe = node->workers.pipe = NULL;
     node->launch = NULL;
     node->look = NULL;
@@ -133,7 +154,8 @@ static void launch(struct node *node)
     struct error error = {0};
 
     node->launch = node_launch_start(node->loop, &order, on_text, node, &fds, &error);
-    if (node->launch) node->pipe = node_pipe_open(node->loop, fds.in, fds.out, &pipe_handlers, node, &error);
+    if (node->launch)
+        node->pipe = node_pipe_open(node->loop, fds.in, fds.out, WORKER_CHILD_LINE_LIMIT, &pipe_handlers, node, &error);
     if (!node->pipe) {
         lose(node, error.message);
         return;
@@ -154,6 +176,10 @@ static void check_pipe(struct node *node)
         lose(node, "it did not answer within 60 s");
     } else if (node->asked_ms && node->now_ms - node->asked_ms > ANSWER_MS) {
         lose(node, "it did not look at the folders within 60 s");
+    } else if (node->state == NODE_PROBING && node->now_ms - node->launched_ms > PROBE_MS) {
+        lose(node, "folders of this machine do not answer: whether it sees them is not known");
+    } else if (node_pipe_waiting_bytes(node->pipe) > WAITING_LIMIT) {
+        lose(node, "it does not read what it is told");
     } else if (node->state == NODE_READY && node_pipe_silent_ms(node->pipe) > pool->heartbeat_ms) {
         snprintf(reason, sizeof reason, "nothing was heard of it for %.3g s", (double)pool->heartbeat_ms / 1000);
         lose(node, reason);
@@ -267,16 +293,9 @@ static bool suits(struct node *node, const struct json_node *hello, struct error
 
 static void refuse(struct node *node, const char *reason)
 {
-    retry_backoff_fail(&node->backoff, node->now_ms);
+    if (node->state == NODE_READY) retry_backoff_fail(&node->backoff, node->now_ms);
     node_pipe_say_text(node->pipe, NODE_REFUSED, NODE_NO_WORKER, reason);
     lose(node, reason);
-}
-
-// The files of a probe that went wrong are removed by the step that sees all.
-static void refuse_roots(struct node *node, const char *reason)
-{
-    node_look_abandon(node_look_start(node->loop, &node->probe, NODE_LOOK_REMOVES, NULL, NULL));
-    refuse(node, reason);
 }
 
 static void on_written(void *user, struct node_probe *probe, const struct error *error)
@@ -288,7 +307,7 @@ static void on_written(void *user, struct node_probe *probe, const struct error 
     node->probe = *probe;
     if (error->message[0]) {
         // A root that is gone is no fault of the node.
-        node_look_abandon(node_look_start(node->loop, &node->probe, NODE_LOOK_REMOVES, NULL, NULL));
+        remove_probe(node);
         if (node->state == NODE_PROBING) lose(node, error->message);
         return;
     }
@@ -304,7 +323,7 @@ static void begin_probe(struct node *node)
 
     root_marker_make_id(probe.token);
     node->handlers->list_roots(node->user, &probe);
-    node->look = node_look_start(node->loop, &probe, NODE_LOOK_DAEMON_WRITES, on_written, node);
+    node->look = node_look_start(node->params.looks, &probe, NODE_LOOK_DAEMON_WRITES, on_written, node);
 }
 
 void node_look_at_roots(struct node *node)
@@ -323,11 +342,14 @@ static void greet(struct node *node)
 static void on_looked(void *user, struct node_probe *probe, const struct error *error)
 {
     struct node *node = user;
+    bool is_own_fault = probe->is_own_fault;
 
     node->look = NULL;
     node_probe_finish(probe);
-    if (error->message[0])
+    if (error->message[0] && !is_own_fault)
         refuse(node, error->message);
+    else if (error->message[0] && node->state == NODE_PROBING)
+        lose(node, error->message);
     else if (node->state == NODE_PROBING)
         welcome(node);
 }
@@ -346,9 +368,9 @@ static bool take_probed(struct node *node, const struct node_line *line, struct 
     node->asked_ms = 0;
     object = json_node_root(root);
     if (node_probe_read_json(&node->probe, &object, &fault))
-        node->look = node_look_start(node->loop, &node->probe, NODE_LOOK_DAEMON_LOOKS, on_looked, node);
+        node->look = node_look_start(node->params.looks, &node->probe, NODE_LOOK_DAEMON_LOOKS, on_looked, node);
     else
-        refuse_roots(node, fault.message);
+        refuse(node, fault.message);
     json_delete(root);
     return true;
 }
@@ -375,7 +397,7 @@ static bool take_first_line(struct node *node, const char *bytes, size_t length,
     struct node_line line;
 
     if (node_line_read(&line, bytes, length, NULL) && line.word == NODE_HELLO) return take_hello(node, &line, error);
-    if (length > 0) log_info("node %s: %.*s", node->params.name, (int)(length < 200 ? length : 200), bytes);
+    if (length > 0) log_text(node, bytes, length);
     if (++node->banner_lines <= BANNER_LINES) return true;
     error_set(error, "it says much, but not that it is a node");
     return false;

@@ -28,6 +28,7 @@ struct node_params {
     const struct pool_options *pool; // borrowed; outlives the node
     const char *name;                // borrowed; outlives the node
     const char *version;             // borrowed; outlives the node; which a node must have
+    struct node_looks *looks;        // borrowed; outlives the node
     const char *launch_socket;       // borrowed; outlives the node; as of node_launch.h
     int worker_count;
 };

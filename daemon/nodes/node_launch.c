@@ -19,7 +19,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-enum { KILL_MS = 3000, IN = 0, OUT = 1, ERRORS = 2, READ = 0, WRITE = 1 };
+enum { READS_LIMIT = 16, KILL_MS = 3000, IN = 0, OUT = 1, ERRORS = 2, READ = 0, WRITE = 1 };
 
 // Either a child of ours, or one of march-launch's.
 struct node_launch {
@@ -241,8 +241,9 @@ const char *node_launch_last_text(struct node_launch *launch)
     ssize_t count;
     int fd;
 
+    if (uv_fileno((uv_handle_t *)&launch->errors, &fd) != 0) return launch->last;
     // What it said before its end may still wait: the loop reads pipes in any order.
-    while (uv_fileno((uv_handle_t *)&launch->errors, &fd) == 0 && (count = read(fd, bytes, sizeof bytes)) > 0)
+    for (int i = 0; i < READS_LIMIT && (count = read(fd, bytes, sizeof bytes)) > 0; i++)
         take_text(launch, bytes, (size_t)count);
     return launch->last;
 }

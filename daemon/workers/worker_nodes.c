@@ -34,7 +34,7 @@ void worker_nodes_list_roots(void *user, struct node_probe *probe)
         if (root->is_there && root->is_watched && root->id[0]) node_probe_add(probe, root->path, root->id);
     }
     for (size_t i = 0; i < inputs->count; i++)
-        if (access(inputs->paths[i], F_OK) == 0) node_probe_add(probe, inputs->paths[i], "");
+        node_probe_add(probe, inputs->paths[i], "");
 }
 
 static void add_nodes(struct worker_nodes *nodes, const struct pool_options *pool, struct worker_slot *slots,
@@ -44,6 +44,7 @@ static void add_nodes(struct worker_nodes *nodes, const struct pool_options *poo
         const struct node_params params = {.pool = pool,
                                            .name = pool->nodes[k].name,
                                            .version = nodes->farm->options->version,
+                                           .looks = &nodes->looks,
                                            .launch_socket = nodes->farm->options->launch_socket,
                                            .worker_count = pool->nodes[k].worker_count};
         struct node *node = node_create(nodes->farm->loop, &params, handlers, nodes->farm);
@@ -77,7 +78,8 @@ void worker_nodes_make(struct worker_nodes *nodes, struct farm *farm, struct wor
 
     for (size_t i = 0; i < pools->count; i++)
         count += pools->pools[i].node_count;
-    *nodes = (struct worker_nodes){.farm = farm, .nodes = xcalloc(count + 1, sizeof(struct node *))};
+    *nodes = (struct worker_nodes){
+        .farm = farm, .looks.loop = farm->loop, .nodes = xcalloc(count + 1, sizeof(struct node *))};
     for (size_t i = 0; i < pools->count; i++) {
         add_nodes(nodes, &pools->pools[i], slots, handlers);
         if (pools->pools[i].launcher == POOL_SLURM) add_site(nodes, &pools->pools[i], slots);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/nodes/node.h"
+#include "node/node_look.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,6 +30,7 @@ struct worker_nodes {
     size_t count;
     struct worker_site *sites; // owned
     size_t site_count;
+    struct node_looks looks;
     bool is_stopping; // the machines stay as they are
 };
 

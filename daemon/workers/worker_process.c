@@ -202,11 +202,6 @@ void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_m
     worker->state = WORKER_STOPPING;
 }
 
-void worker_process_doubt_node(const struct worker_process *worker)
-{
-    if (worker->node) node_look_at_roots(worker->node);
-}
-
 void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms)
 {
     struct json_writer writer = {0};
@@ -218,6 +213,13 @@ void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms)
     message_end(&writer);
     worker_process_send(worker, &writer);
     json_writer_finish(&writer);
+}
+
+void worker_process_doubt_node(struct worker_process *worker, int64_t stop_by_ms)
+{
+    if (!worker->node) return;
+    node_look_at_roots(worker->node);
+    worker_process_exit(worker, stop_by_ms);
 }
 
 void worker_process_check(struct worker_process *worker, int64_t now_ms)

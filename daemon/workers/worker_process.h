@@ -93,8 +93,9 @@ void worker_process_kill(struct worker_process *worker, const char *reason);
 // Sends worker.exit; the worker is killed at `stop_by_ms`.
 void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms);
 void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // as above, without the message
-// It did not find a root that may be there: its node, if it has one, has to look.
-void worker_process_doubt_node(const struct worker_process *worker);
+// It did not find a root that may be there: if it is on a node, that has to look, and the worker makes room for one
+// that is fenced into what is there now.
+void worker_process_doubt_node(struct worker_process *worker, int64_t stop_by_ms);
 void worker_process_check(struct worker_process *worker, int64_t now_ms); // to be called several times a second
 void worker_process_close(struct worker_process *worker);                 // frees it
 

@@ -2,6 +2,7 @@
 #include "daemon/workers/worker_report.h"
 
 #include "core/base/error.h"
+#include "core/base/log.h"
 #include "core/job/frame_range.h"
 #include "core/wire/message.h"
 
@@ -9,11 +10,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Other users see these texts: control characters must not reach their terminals.
+static bool read_plain(const struct json_node *node, const char **text, struct error *error)
+{
+    if (!json_read_string(node, text, error)) return false;
+    log_disarm((char *)*text);
+    return true;
+}
+
 static bool read_text(const struct json_node *body, const char *key, const char **text, struct error *error)
 {
     struct json_node node = json_node_child(body, key);
 
-    return json_read_string(&node, text, error);
+    return read_plain(&node, text, error);
 }
 
 // Reads a member that may be null or missing.
@@ -23,7 +32,7 @@ static bool read_maybe_text(const struct json_node *body, const char *key, const
 
     *text = NULL;
     if (json_node_is_absent(&node) || json_node_type(&node) == JSON_NULL) return true;
-    return json_read_string(&node, text, error);
+    return read_plain(&node, text, error);
 }
 
 static bool read_integer(const struct json_node *body, const char *key, int64_t min, int64_t max, int64_t *integer,

@@ -163,6 +163,61 @@ static void what_the_node_says_is_wrong(void **state)
     end(&pair);
 }
 
+static void an_answer_names_no_other_roots(void **state)
+{
+    struct pair pair;
+
+    make_root(state, "root", id);
+    begin(state, &pair);
+    node_probe_add(&pair.node, "/etc/shadow", "");
+    assert_false(tell(&pair.node, NULL, &pair.daemon, &pair.error));
+    assert_non_null(strstr(pair.error.message, "expected a root of the probe"));
+    assert_int_equal(pair.daemon.count, 1);
+    end(&pair);
+}
+
+static void whose_fault_it_is_is_known(void **state)
+{
+    struct pair pair;
+
+    make_root(state, "root", id);
+    begin(state, &pair);
+    assert_false(node_probe_look(&pair.daemon, NODE_PROBE_NODE, 0, &pair.error));
+    assert_false(pair.daemon.is_own_fault);
+    assert_int_equal(rename(temp_folder_path(state, "root"), temp_folder_path(state, "away")), 0);
+    assert_false(node_probe_look(&pair.daemon, NODE_PROBE_NODE, 0, &pair.error));
+    assert_true(pair.daemon.is_own_fault);
+    end(&pair);
+}
+
+static void begin_inputs(void **state, struct pair *pair)
+{
+    *pair = (struct pair){0};
+    root_marker_make_id(pair->daemon.token);
+    node_probe_add(&pair->daemon, temp_folder_path(state, "missing"), "");
+    node_probe_add(&pair->daemon, temp_folder_path(state, "inputs"), "");
+    node_probe_add(&pair->daemon, "/", "");
+    assert_true(node_probe_write(&pair->daemon, NODE_PROBE_DAEMON, &pair->error));
+    assert_int_equal(pair->daemon.count, 2);
+    assert_true(tell(&pair->daemon, NULL, &pair->node, &pair->error));
+}
+
+static void an_input_root_is_one_folder(void **state)
+{
+    struct pair pair;
+
+    assert_int_equal(mkdir(temp_folder_path(state, "inputs"), 0755), 0);
+    begin_inputs(state, &pair);
+    for (size_t i = 0; i < pair.node.count; i++)
+        if (strcmp(pair.node.roots[i].path, "/") == 0) pair.node.roots[i].told.inode++;
+    assert_true(answer(&pair));
+    end(&pair);
+    begin_inputs(state, &pair);
+    for (size_t i = 0; i < pair.node.count; i++)
+        pair.node.roots[i].told.inode++;
+    assert_refused(&pair, "another inode number on each machine: not the same folder");
+}
+
 static void an_input_root_has_to_be_there(void **state)
 {
     struct pair pair = {0};
@@ -204,6 +259,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_folder_that_the_node_does_not_see, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_file_that_is_another_one, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(what_the_node_says_is_wrong, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(an_answer_names_no_other_roots, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(whose_fault_it_is_is_known, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(an_input_root_is_one_folder, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(an_input_root_has_to_be_there, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(files_of_probes_that_were_cut_off, temp_folder_create, temp_folder_destroy),
     };

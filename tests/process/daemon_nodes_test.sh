@@ -128,19 +128,26 @@ case $1 in
 old) echo 'marchd-node {"protocol":1,"version":"0.0.1","host":"old","landlock":7}' ;;
 weak) sleep 1 | "$2" --node | sed 's/"landlock":[0-9]*,"lack":null/"landlock":0,"lack":"no landlock in this kernel"/' ;;
 wall) echo "permission denied" >&2; exit 255 ;;
+loud) yes noise >&2 & yes nonsense ;;
+thief)
+    : | "$2" --node | sed -n '/^marchd-node/s/"landlock":[0-9]*/"landlock":7/p'
+    read -r order
+    token=$(echo "$order" | sed 's/.*"token":"\([0-9a-f]*\)".*/\1/')
+    echo "probed {\"token\":\"$token\",\"fault\":null,\"roots\":[{\"path\":\"/etc/shadow\",\"id\":\"\",\"inode\":\"1\",\"uid\":0}]}"
+    ;;
 odd) echo 'marchd-node {"protocol":' ;;
 evil) printf '%s\n' 'marchd-node {"protocol":1,"version":"1\n<2>forged: \u001b[31m","host":"x","landlock":7}' ;;
 esac
 sleep 1
 END
 chmod +x "$scratch/other"
-start_daemon --workers none --pool "far launcher=command nodes=old,weak,wall,odd,evil command='$scratch/other {node} $bin/march-worker'" \
+start_daemon --workers none --pool "far launcher=command nodes=old,weak,wall,odd,evil,loud,thief command='$scratch/other {node} $bin/march-worker'" \
     --pool "none launcher=command nodes=a command='$scratch/no-such-program'"
-wait_until "they are refused" eval '[[ "$(workers .reason)" != *"it has not answered"* ]]'
+wait_until "they are refused" eval '[[ "$(workers .reason)" != *"it has not answered"* && "$(workers .reason)" != *"is looked at"* ]]'
 reasons=$(workers .reason)
 for reason in "node old: it has march-worker 0.0.1 (protocol 1), this is marchd" \
     "node weak: no landlock in this kernel: expected landlock, or landlock=optional in pool far" \
-    "permission denied" "node odd: line 1" "node evil: it has march-worker 1 <2>forged: ?[31m (protocol 1)" "no-such-program: no such file"; do
+    "permission denied" "node loud: it says much" "expected a root of the probe" "node odd: line 1" "node evil: it has march-worker 1 <2>forged: ?[31m (protocol 1)" "no-such-program: no such file"; do
     [[ $reasons == *"$reason"* ]] || fail "expected \"$reason\" among $reasons"
 done
 ! grep -q '^<2>forged' "$scratch/daemon.log" || fail "a node writes lines of the log"

@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
+#include "core/wire/message_stream.h"
 #include "node/memory_share.h"
 #include "node/node_look.h"
 #include "node/node_pipe.h"
@@ -26,8 +27,9 @@
 
 enum {
     TICK_MS = 250,
-    WELCOME_MS = 60 * 1000, // so long the daemon may take to answer the first line
-    BEATS = 4               // beats in the time after which silence is an end
+    WELCOME_MS = 60 * 1000,      // so long the daemon may take to answer the first line
+    LOG_WAITING_LIMIT = 1 << 20, // bytes
+    BEATS = 4                    // beats in the time after which silence is an end
 };
 
 struct hosted {
@@ -42,6 +44,7 @@ struct host {
     uv_timer_t tick;
     uv_signal_t terminate;
     struct node_pipe *pipe; // NULL: closed
+    struct node_looks looks;
     struct node_look *look; // NULL: none runs
     struct hosted *first;   // owned
     const char *version, *worker;
@@ -75,6 +78,8 @@ static void on_worker_log(void *user, const char *bytes, size_t count)
     struct hosted *hosted = user;
     char text[WORKER_CHILD_LOG_BYTES + 1];
 
+    // Endless output through a slow stream is left out.
+    if (node_pipe_waiting_bytes(hosted->host->pipe) > LOG_WAITING_LIMIT) return;
     memcpy(text, bytes, count);
     text[count] = '\0';
     node_pipe_say_text(hosted->host->pipe, NODE_LOG, hosted->id, text);
@@ -116,7 +121,8 @@ static void leave(struct host *host, int exit_code)
         free(hosted);
     }
     host->first = NULL;
-    node_look_abandon(host->look);
+    // A folder that does not answer would hold the end.
+    if (host->look) _exit(exit_code);
     node_pipe_close(host->pipe);
     host->pipe = NULL;
     uv_close((uv_handle_t *)&host->tick, NULL);
@@ -165,7 +171,7 @@ static bool read_probe(struct host *host, const struct json_node *object, struct
     bool ok = !host->look && node_probe_read_json(&probe, object, error);
 
     if (ok)
-        host->look = node_look_start(&host->loop, &probe, NODE_LOOK_NODE_ANSWERS, on_looked, host);
+        host->look = node_look_start(&host->looks, &probe, NODE_LOOK_NODE_ANSWERS, on_looked, host);
     else if (host->look)
         error_set(error, "a probe has begun already");
     node_probe_finish(&probe);
@@ -294,7 +300,7 @@ static bool on_line(void *user, const char *bytes, size_t length, struct error *
         error_set(error, "marchd refuses this node: %.*s", (int)line.length, line.rest);
         return false;
     default:
-        error_set(error, "unexpected line of marchd: %.60s", bytes);
+        error_set(error, "unexpected line of marchd: %.*s", (int)(length < 60 ? length : 60), bytes);
         return false;
     }
 }
@@ -363,7 +369,8 @@ int host_run(const char *version, const char *worker)
     signal(SIGPIPE, SIG_IGN);
     if (!take_streams(fds)) return 1;
     uv_loop_init(&host.loop);
-    host.pipe = node_pipe_open(&host.loop, fds[0], fds[1], &pipe_handlers, &host, &error);
+    host.looks.loop = &host.loop;
+    host.pipe = node_pipe_open(&host.loop, fds[0], fds[1], MESSAGE_LINE_LIMIT, &pipe_handlers, &host, &error);
     if (!host.pipe) {
         log_error("%s: march-worker --node is started by marchd, through a launcher", error.message);
         return 2;

@@ -34,6 +34,22 @@ static void refuse(const char *method, const char *params, const char *part)
     message_finish(&message);
 }
 
+static void texts_steer_no_terminal(void **state)
+{
+    struct worker_report report;
+    struct message message = {0};
+
+    assert_true(read_line(&report, &message, "worker.failed", "{\"error\":\"red \\u001b[31m and \\u009b31m\"}", NULL));
+    assert_string_equal(report.error, "red ?[31m and ??31m");
+    message_finish(&message);
+    assert_true(read_line(&report, &message, "worker.ready",
+                          "{\"backend\":\"egl\",\"vendor\":\"a\\u0007\",\"renderer\":\"b\\u001b\",\"version\":\"c\"}",
+                          NULL));
+    assert_string_equal(report.vendor, "a?");
+    assert_string_equal(report.renderer, "b?");
+    message_finish(&message);
+}
+
 static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state)
 {
     struct worker_report report;
@@ -140,6 +156,7 @@ static void missing_and_wrong_members_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(texts_steer_no_terminal),
         cmocka_unit_test(a_finished_frame_keeps_a_file_number_beyond_2_to_the_53),
         cmocka_unit_test(an_unknown_fault_is_an_error),
         cmocka_unit_test(planning_is_reported_for_a_frame),
