@@ -157,8 +157,8 @@ static void start_long_job(struct test_worker *child, const char *frames)
     test_worker_expect_frame(child, "frame.started", 20);
 }
 
-// The next message about a frame; heartbeats and phases are skipped.
-static struct message hear_next(struct test_worker *child)
+// The next message about this frame; heartbeats and phases are skipped.
+static void expect_next(struct test_worker *child, const char *method, int frame)
 {
     struct message message;
 
@@ -166,31 +166,9 @@ static struct message hear_next(struct test_worker *child)
         assert_true(test_worker_hear(child, &message));
     while ((!strcmp(message.method, "worker.beat") || !strcmp(message.method, "frame.phase")) &&
            (message_finish(&message), true));
-    return message;
-}
-
-static void expect_next(struct test_worker *child, const char *method, int frame)
-{
-    struct message message = hear_next(child);
-
     assert_string_equal(message.method, method);
     assert_int_equal(test_worker_integer_of(&message, "frame"), frame);
     message_finish(&message);
-}
-
-// Two messages of two threads, in either order; more of the first one's may come between.
-static void expect_both(struct test_worker *child, const char *method, int frame, const char *other, int other_frame)
-{
-    struct message message = hear_next(child);
-    bool is_other = strcmp(message.method, other) == 0;
-
-    assert_string_equal(message.method, is_other ? other : method);
-    assert_int_equal(test_worker_integer_of(&message, "frame"), is_other ? other_frame : frame);
-    message_finish(&message);
-    if (is_other)
-        expect_next(child, method, frame);
-    else
-        test_worker_expect_frame(child, other, other_frame);
 }
 
 static void dropped_frame_is_given_back_while_it_renders(void **state)
@@ -223,7 +201,8 @@ static void drop_takes_what_it_names_and_no_more(void **state)
     say_drop(&child, 1, false);
     expect_next(&child, "frame.dropped", 21);
     expect_next(&child, "frame.rendered", 20);
-    expect_both(&child, "frame.started", 30, "frame.finished", 20);
+    // The encoder may be done with frame 20 before or after the renderer begins the next.
+    test_worker_expect_frame(&child, "frame.finished", 20);
     test_worker_expect_frame(&child, "frame.finished", 30);
     say_exit(&child);
     assert_int_equal(test_worker_finish(&child), 0);
