@@ -67,7 +67,7 @@ static char **make_cancel(const struct pool_options *pool, const char *const arg
 {
     int64_t number, job;
 
-    if (!is_farm(arguments[0], error) || !read_number(arguments[1], pool->slurm.max, &number, error) ||
+    if (!is_farm(arguments[0], error) || !read_number(arguments[1], POOL_NODE_LIMIT, &number, error) ||
         !read_number(arguments[2], UINT32_MAX, &job, error))
         return NULL;
     return slurm_commands_make_cancel(pool, arguments[0], (int)number, job);

@@ -10,7 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FARM_DIGITS = 12 }; // of the farm's id in names
+enum {
+    FARM_DIGITS = 12,    // of the farm's id in names
+    NAMES_AT_LEAST = 256 // that are looked for: more may have been allowed before
+};
 
 char *slurm_commands_format_token(const struct pool_options *pool, const char *farm)
 {
@@ -40,9 +43,10 @@ static void add_value(struct option_words *command, const char *option, const ch
 static char *format_names(const struct pool_options *pool, const char *farm)
 {
     char *token = slurm_commands_format_token(pool, farm);
-    char *names = xcalloc(pool->node_count, strlen(token) + 12), *end = names;
+    size_t count = pool->node_count > NAMES_AT_LEAST ? pool->node_count : NAMES_AT_LEAST;
+    char *names = xcalloc(count, strlen(token) + 12), *end = names;
 
-    for (size_t i = 0; i < pool->node_count; i++)
+    for (size_t i = 0; i < count; i++)
         end += sprintf(end, "%s%s.%zu", i > 0 ? "," : "", token, i + 1);
     free(token);
     return names;

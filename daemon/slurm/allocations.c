@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "daemon/settings/pool_options.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -46,7 +47,7 @@ static void end(struct allocation *allocation)
     set_text(&allocation->machine, NULL);
 }
 
-// -1: the name is none of ours.
+// May be `count` or more: one that was asked for when more were allowed. -1: the name is none of ours.
 static int find(const struct allocations *allocations, const char *name)
 {
     size_t length = strlen(allocations->token);
@@ -55,7 +56,7 @@ static int find(const struct allocations *allocations, const char *name)
 
     if (strncmp(name, allocations->token, length) != 0 || name[length] != '.') return -1;
     number = strtol(name + length + 1, &end, 10);
-    return *end == '\0' && number >= 1 && number <= allocations->count ? (int)number - 1 : -1;
+    return *end == '\0' && number >= 1 && number <= POOL_NODE_LIMIT ? (int)number - 1 : -1;
 }
 
 struct answer {
@@ -110,14 +111,22 @@ static bool take(void *user, const struct slurm_row *row, struct error *error)
 {
     struct answer *answer = user;
     int index = find(answer->allocations, row->name);
-    struct allocation *allocation = &answer->allocations->all[index < 0 ? 0 : index];
+    bool lives = row->phase != SLURM_ENDS && row->phase != SLURM_IS_OVER;
+    struct allocation *allocation;
 
     if (index < 0) {
         error_set(error, "expected a job of this pool, got \"%.60s\"", row->name);
         return false;
     }
     if (answer->is_check) return true;
-    if (row->phase != SLURM_ENDS && row->phase != SLURM_IS_OVER) {
+    if (index >= answer->allocations->count) {
+        if (!lives) return true;
+        answer->allocations->surplus_job = row->job;
+        answer->allocations->surplus_index = index;
+        return true;
+    }
+    allocation = &answer->allocations->all[index];
+    if (lives) {
         take_living(answer->allocations, index, row, answer->asked_ms);
     } else if (row->job == allocation->job ||
                (row->job == allocation->over_job && allocation->state == ALLOCATION_NONE)) {

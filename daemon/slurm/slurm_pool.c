@@ -304,7 +304,7 @@ static void step(struct slurm_pool *slurm)
     }
     if (give_back_useless(slurm)) return;
     index = allocations_find_to_cancel(allocations, slurm->want, settings(slurm)->idle_ms, slurm->now_ms);
-    if (index >= 0) {
+    if (index >= 0 && !slurm->trouble) {
         if (allocations->all[index].is_short)
             log_info("pool %s: the rest of its time is too short", slurm->params.pool->name);
         give_back(slurm, index, NULL);

@@ -82,9 +82,18 @@ static void assert_command(const char *const words[], const char *const expected
 // Each by the name of the allocation, whatever id it has.
 static void commands_of_slurm(void **state)
 {
-    assert_command((const char *const[]){"look", FARM, NULL},
-                   (const char *const[]){"squeue", "--me", "--states=all", "--format=%i|%T|%N|%L|%j|%r",
-                                         "--name=march-0123456789ab-p.1,march-0123456789ab-p.2", NULL});
+    struct pool_options pool;
+    char **look;
+
+    assert_true(pool_options_read(&pool, POOL, NULL));
+    look = pool_command_make(&pool, (const char *const[]){"look", FARM, NULL}, NULL);
+    assert_non_null(look);
+    assert_string_equal(look[0], "squeue");
+    assert_string_equal(look[1], "--me");
+    assert_non_null(strstr(look[4], "--name=march-0123456789ab-p.1,march-0123456789ab-p.2,"));
+    assert_non_null(strstr(look[4], ",march-0123456789ab-p.256"));
+    pool_options_free_command(look);
+    pool_options_finish(&pool);
     assert_command((const char *const[]){"cancel", FARM, "2", "77", NULL},
                    (const char *const[]){"scancel", "--me", "--name=march-0123456789ab-p.2", "77", NULL});
     assert_command((const char *const[]){"step", "77", NULL},

@@ -147,7 +147,7 @@ static void ids_are_not_believed(void **state)
 
 static void no_answer_changes_nothing(void **state)
 {
-    static const char *const wrong[] = {"8|RUNNING|n1|1:00|other|None\n", "8|RUNNING|n1|1:00|march-x-far.4|None\n",
+    static const char *const wrong[] = {"8|RUNNING|n1|1:00|other|None\n", "8|RUNNING|n1|1:00|march-x-far.0|None\n",
                                         "8|RUNNING|n1|1:00|march-x-far.1x|None\n",
                                         "7|TIMEOUT|n1|x|march-x-far.1|None\n"};
 
@@ -160,6 +160,16 @@ static void no_answer_changes_nothing(void **state)
         assert_state(0, ALLOCATION_RUNS, 7, NULL);
         free(text);
     }
+}
+
+static void gives_back_what_was_allowed_before(void **state)
+{
+    answer("7|RUNNING|n1|1:00|march-x-far.1|None\n8|RUNNING|n2|1:00|march-x-far.9|None\n", 0);
+    assert_int_equal(allocations.surplus_job, 8);
+    assert_int_equal(allocations.surplus_index, 8);
+    assert_state(0, ALLOCATION_RUNS, 7, NULL);
+    answer("7|RUNNING|n1|1:00|march-x-far.1|None\n8|CANCELLED|n2|1:00|march-x-far.9|None\n", 10);
+    assert_int_equal(allocations.surplus_job, 0);
 }
 
 static void gives_back_what_is_too_much(void **state)
@@ -190,14 +200,16 @@ static void gives_back_what_is_too_much(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(how_many, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(asks_for_what_lacks, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(finds_what_is_there, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(silence_is_no_refusal, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(the_end_has_its_reason, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(ids_are_not_believed, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(no_answer_changes_nothing, set_up, tear_down),
-                                       cmocka_unit_test_setup_teardown(gives_back_what_is_too_much, set_up, tear_down)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(how_many, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(asks_for_what_lacks, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(finds_what_is_there, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(silence_is_no_refusal, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_end_has_its_reason, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(ids_are_not_believed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(no_answer_changes_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(gives_back_what_was_allowed_before, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(gives_back_what_is_too_much, set_up, tear_down)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
