@@ -46,6 +46,8 @@ static int open_socket(const char *path)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct stat stat;
+    bool is_open;
+    mode_t mask;
     int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
 
     if (fd < 0 || strlen(path) >= sizeof address.sun_path) {
@@ -55,10 +57,11 @@ static int open_socket(const char *path)
     strcpy(address.sun_path, path);
     // What an earlier march-launch left.
     if (lstat(path, &stat) == 0 && S_ISSOCK(stat.st_mode)) unlink(path);
-    umask(0177);
-    if (bind(fd, (struct sockaddr *)&address, sizeof address) == 0 && listen(fd, BACKLOG) == 0) return fd;
-    log_error("socket %s: %s", path, strerrordesc_np(errno));
-    return -1;
+    mask = umask(0177);
+    is_open = bind(fd, (struct sockaddr *)&address, sizeof address) == 0 && listen(fd, BACKLOG) == 0;
+    if (!is_open) log_error("socket %s: %s", path, strerrordesc_np(errno));
+    umask(mask);
+    return is_open ? fd : -1;
 }
 
 static int find_socket(const char *path)
@@ -74,9 +77,10 @@ static int find_socket(const char *path)
 }
 
 // A process for each connection: it ends with us, and what it has started with it.
-static void serve(int listening, int connection, const char *config_path)
+static void serve(int parent, int listening, int connection, const char *config_path)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) exit(EXIT_FAILURE); // it was gone before
     signal(SIGCHLD, SIG_DFL);
     close(listening);
     launch_serve(connection, config_path);
@@ -86,13 +90,14 @@ static void serve(int listening, int connection, const char *config_path)
 static void accept_all(int listening, const char *config_path)
 {
     const struct timespec pause = {.tv_nsec = 100 * 1000 * 1000};
+    int own = getpid();
 
     for (;;) {
         int connection = accept4(listening, NULL, NULL, SOCK_CLOEXEC), process;
 
         if (connection < 0 && (errno == EINTR || errno == ECONNABORTED)) continue;
         process = connection < 0 ? -1 : fork();
-        if (process == 0) serve(listening, connection, config_path);
+        if (process == 0) serve(own, listening, connection, config_path);
         if (process < 0) {
             log_warn("a connection is not served: %s", strerrordesc_np(errno));
             nanosleep(&pause, NULL);

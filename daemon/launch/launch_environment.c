@@ -7,11 +7,10 @@
 #include <string.h>
 #include <unistd.h>
 
-// Nothing else is passed on.
+// Nothing else is passed on. srun gives what it has to the nodes, where TMPDIR and LD_LIBRARY_PATH may name nothing.
 static const char *const kept_names[] = {
-    "PATH=",         "HOME=",         "USER=",          "LOGNAME=",    "LANG=",       "LC_",
-    "TZ=",           "TMPDIR=",       "SSH_AUTH_SOCK=", "SLURM_CONF=", "KRB5CCNAME=", "LD_LIBRARY_PATH=",
-    "ASAN_OPTIONS=", "LSAN_OPTIONS=", "UBSAN_OPTIONS="};
+    "PATH=",          "HOME=",       "USER=",       "LOGNAME=",      "LANG=",         "LC_",           "TZ=",
+    "SSH_AUTH_SOCK=", "SLURM_CONF=", "KRB5CCNAME=", "ASAN_OPTIONS=", "LSAN_OPTIONS=", "UBSAN_OPTIONS="};
 
 char **launch_environment_make(void)
 {

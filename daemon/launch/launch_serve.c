@@ -55,12 +55,13 @@ static char **find_command(const struct launch_request *request, const char *con
     return command;
 }
 
-static void run(char **command, const int fds[static 3])
+static void run(int parent, char **command, const int fds[static 3])
 {
     char **environment = launch_environment_make();
 
     setsid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(EXIT_NOT_STARTED); // it was gone before
     for (int i = 0; i < 3; i++)
         if (dup2(fds[i], i) < 0) _exit(EXIT_NOT_STARTED);
     execvpe(command[0], command, environment);
@@ -101,9 +102,9 @@ static void tell_end(int socket, int status)
 // Takes over the request's descriptors.
 static bool start_and_wait(struct launch_request *request, char **command, int socket, struct error *error)
 {
-    int process = fork(), pidfd = -1, status = 0;
+    int own = getpid(), process = fork(), pidfd = -1, status = 0;
 
-    if (process == 0) run(command, request->fds);
+    if (process == 0) run(own, command, request->fds);
     if (process > 0) pidfd = pidfd_open(process, 0);
     if (process < 0 || pidfd < 0) error_set_errno(error, errno, "cannot start a process");
     if (process < 0) return false;

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
@@ -245,6 +246,20 @@ const struct node_stay *node_stay(const struct node *node)
     return &node->stay;
 }
 
+// Ours for new files. umask() would change it for other threads, if only for a moment.
+static int find_umask(void)
+{
+    char *status;
+    const char *line;
+    int mask = 022;
+
+    if (!file_read_text("/proc/self/status", 65536, &status, NULL, NULL)) return mask;
+    line = strstr(status, "\nUmask:");
+    if (line) mask = (int)strtol(line + strlen("\nUmask:"), NULL, 8);
+    free(status);
+    return mask;
+}
+
 static void welcome(struct node *node)
 {
     struct json_writer writer = {0};
@@ -252,6 +267,7 @@ static void welcome(struct node *node)
     json_write_begin_object(&writer);
     json_write_integer_member(&writer, "heartbeat_ms", node->params.pool->heartbeat_ms);
     json_write_integer_member(&writer, "workers", node->params.worker_count);
+    json_write_integer_member(&writer, "umask", find_umask());
     json_write_end_object(&writer);
     node_pipe_say(node->pipe, NODE_WELCOME, NODE_NO_WORKER, writer.text, writer.length);
     json_writer_finish(&writer);

@@ -8,6 +8,8 @@ cat >"$scratch/launch" <<END
 #!/bin/sh
 echo "Welcome to \$1."
 echo \$\$ >"$scratch/pid-\$1"
+env >"$scratch/env-\$1"
+umask >"$scratch/umask-\$1"
 exec "$bin/march-worker" --node --worker "$(stub write:20)"
 END
 chmod +x "$scratch/launch"
@@ -16,10 +18,11 @@ pool = far launcher=command nodes=anna=2,ben heartbeat=5 command='$scratch/launc
 pool = none launcher=command nodes=carl command='$scratch/no-such-program {node}'
 END
 
+# As in its unit, no other user may read what it would write.
 start_launch()
 {
     rm -f "$launch_socket"
-    (cd "$scratch" && exec "$bin/march-launch" --config marchd.conf --socket "$launch_socket" 2>>launch.log) &
+    (cd "$scratch" && umask 077 && exec env TMPDIR=/none LD_LIBRARY_PATH=/none "$bin/march-launch" --config marchd.conf --socket "$launch_socket" 2>>launch.log) &
     launch_pid=$!
     wait_until "march-launch listens" test -S "$launch_socket"
 }
@@ -47,6 +50,9 @@ wait_until "the reason is told" said carl "march-launch: $scratch/no-such-progra
 id=$(submit "$(job 1-60)")
 wait_state "$id" succeeded
 expect_files cloud 60
+expect "the umask of a launcher" "$(cat "$scratch/umask-anna")" 0077
+expect "rights of pictures" "$(stat -c %a "$scratch"/out/cloud/* | sort -u)" "$(printf '%o' $((0666 & ~$(umask) & 0644)))"
+expect "folders of this machine that nodes hear of" "$(grep -E '^(TMPDIR|LD_LIBRARY_PATH)=' "$scratch/env-anna")" ""
 
 # A node that ends, and one whose launcher is killed, are started again; nothing is left of them.
 pid=$(node_pid anna)

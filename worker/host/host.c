@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <uv.h>
@@ -141,12 +142,15 @@ static struct hosted *find(const struct host *host, int id)
 static bool read_welcome(struct host *host, const struct json_node *welcome, struct error *error)
 {
     struct json_node heartbeat = json_node_child(welcome, "heartbeat_ms");
-    struct json_node workers = json_node_child(welcome, "workers");
-    int64_t heartbeat_ms, worker_count;
+    struct json_node workers = json_node_child(welcome, "workers"), given_mask = json_node_child(welcome, "umask");
+    int64_t heartbeat_ms, worker_count, mask;
 
     if (!json_read_integer(&heartbeat, 1000, INT_MAX, &heartbeat_ms, error) ||
-        !json_read_integer(&workers, 1, INT_MAX, &worker_count, error))
+        !json_read_integer(&workers, 1, INT_MAX, &worker_count, error) ||
+        !json_read_integer(&given_mask, 0, 0777, &mask, error))
         return false;
+    // Pictures get the rights that they have on the farm itself, whatever the launcher left.
+    umask((mode_t)mask);
     host->heartbeat_ms = heartbeat_ms;
     host->worker_count = (int)worker_count;
     host->is_welcome = true;
