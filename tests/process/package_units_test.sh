@@ -90,7 +90,8 @@ has march-launch.socket "SocketUser=$(sed -n 's/^User=//p' "$deploy/march-launch
 lacks march-launch.service StateDirectory
 lacks march-launch.service ReadWritePaths
 has march-launch.service Before=marchd.service # frames that run on nodes may finish, too
-has march-launch.service 'InaccessiblePaths=-/proc -/run/marchd'
+has march-launch.service 'PrivateUsers=yes' # one user, but neither gets at the other by /proc
+grep -q '^InaccessiblePaths=.* -/run/marchd$' "$deploy/march-launch.service" || fail "march-launch.service sees the daemon's socket"
 has marchd.socket 'ListenStream=/run/marchd/%N.sock'
 has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'

@@ -45,6 +45,24 @@ END
 
 node_says() { inside journalctl -q -u marchd.service -o cat -g "$1" >/dev/null; }
 
+# as_daemon COMMAND...: what a daemon that was taken over can do.
+as_daemon() { inside nsenter -t "$(main_pid)" -m -n -i -- setpriv --reuid marchd --regid marchd --init-groups --no-new-privs "$@"; }
+
+# keys_are_out_of_reach PID...: of march-launch and of what it has started, which are of the daemon's user.
+keys_are_out_of_reach()
+{
+    local pid
+
+    ! as_daemon cat /etc/marchd/ssh/id || fail "the daemon reads ssh's key"
+    as_daemon cat "/proc/$(main_pid)/root/etc/marchd/marchd.conf" >/dev/null || fail "the daemon does not reach its own files by /proc: that says nothing of others"
+    for pid; do
+        inside test -d "/proc/$pid" || fail "there is no process $pid"
+        ! as_daemon cat "/proc/$pid/root/etc/marchd/ssh/id" || fail "the daemon reads ssh's key by /proc"
+        ! as_daemon sh -c ": >>/proc/$pid/mem" || fail "the daemon writes the memory of a process of march-launch"
+        ! as_daemon readlink "/proc/$pid/ns/net" || fail "the daemon opens the network of march-launch"
+    done
+}
+
 node_renders()
 {
     local id launch port
@@ -64,6 +82,7 @@ reach ls /srv/marchd
 reach ls /srv/marchd-input
 reach ls /run/marchd
 reach ls /proc/1
+reach grep -qx marchd /proc/[0-9]*/comm
 reach ls /home/ann
 reach ls /dev/dri
 reach touch /etc/marchd/probe
@@ -87,7 +106,8 @@ END
     expect "who runs march-launch" "$(inside ps -o user= -p "$launch")" marchd
     expect "ssh's unit" "$(inside sh -c 'ps -o unit= -p "$(pgrep -x ssh)"')" march-launch.service
     [ "$(inside readlink "/proc/$(main_pid)/ns/net")" != "$(inside readlink "/proc/$launch/ns/net")" ] || fail "the daemon has a network"
-    inside nsenter -t "$(main_pid)" -m test -e /etc/marchd/ssh/id && fail "the daemon sees the keys of ssh"
+    keys_are_out_of_reach "$launch" "$(inside pgrep -x ssh)"
+    expect "the rights of a picture from a node" "$(stat -c %a "$root/srv/marchd/faraway/c.0001.exr")" 644
     until_true "the probe has run" node_says "node probe: probe ends"
     node_says "node probe: reads its key" || fail "march-launch cannot read ssh's key"
     node_says "node probe: reaches" && fail "$(inside journalctl -q -u marchd.service -o cat -g 'node probe: reaches')"
