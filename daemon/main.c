@@ -21,9 +21,8 @@
 
 enum { EXIT_USAGE = 2 };
 
-// Of libuv's pool, unless the environment says otherwise: an output root that hangs keeps up to twelve of them, and a
-// deletion one.
-static const char thread_count[] = "32";
+// Threads of libuv's pool.
+enum { ROOT_THREADS = 12, FREE_THREADS = 20, THREAD_LIMIT = 1024 };
 
 static void find_program_folder(char folder[static PATH_MAX])
 {
@@ -84,6 +83,16 @@ static int check_config(const struct options *options)
     return EXIT_SUCCESS;
 }
 
+// An output root that hangs keeps up to twelve threads, a deletion one, looks of nodes two. The environment goes before.
+static void set_thread_count(const struct options *options)
+{
+    size_t count = options->output_roots.count * ROOT_THREADS + FREE_THREADS;
+    char text[24];
+
+    snprintf(text, sizeof text, "%zu", count < THREAD_LIMIT ? count : THREAD_LIMIT);
+    setenv("UV_THREADPOOL_SIZE", text, 0);
+}
+
 static int run(struct options *options, struct command_line *line)
 {
     struct error error = {0};
@@ -92,7 +101,7 @@ static int run(struct options *options, struct command_line *line)
     journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
-    setenv("UV_THREADPOOL_SIZE", thread_count, 0);
+    set_thread_count(options);
     // Settings have just been read, and a start may wait for long; of a terminal the signal means its end.
     if (!isatty(STDERR_FILENO)) signal(SIGHUP, SIG_IGN);
     if (!opening_check_new(options, &error)) {

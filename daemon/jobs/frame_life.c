@@ -197,7 +197,8 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
     struct publish_request request = {.record = record,
                                       .ticket = frame->ticket,
                                       .worker = worker->id,
-                                      .is_remote = worker->node != NULL,
+                                      .seen_by_ns =
+                                          worker->node ? uv_hrtime() + PUBLISHER_SEEN_MS * UINT64_C(1000000) : 0,
                                       .epoch = farm->epoch,
                                       .file = report->file,
                                       .render_s = report->render_s,

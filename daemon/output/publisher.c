@@ -14,9 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-// So long may what another machine wrote take to be seen.
-enum { SEEN_MS = 5000 };
-
 struct publish_list {
     struct publish_request **requests; // owned
     size_t count, capacity;
@@ -233,6 +230,14 @@ static void fail(struct publish_request *request, enum publish_outcome outcome, 
     request->error = xstrdup(error->message);
 }
 
+// Files of a batch are awaited together, however many are missing.
+static int64_t wait_of_ms(const struct publish_request *request)
+{
+    uint64_t now_ns = uv_hrtime();
+
+    return request->seen_by_ns > now_ns ? (int64_t)((request->seen_by_ns - now_ns) / 1000000) : 0;
+}
+
 static void publish_one(const char *farm, struct publish_request *request, int folder)
 {
     const struct output_path *path = &request->record->path;
@@ -247,7 +252,7 @@ static void publish_one(const char *farm, struct publish_request *request, int f
 
     output_path_format_name(path, request->ticket.frame, name);
     if (!request->is_found) output_path_format_part(path, &names, part);
-    if (!request->is_found && request->is_remote) publish_await(folder, part, &request->file, SEEN_MS);
+    if (!request->is_found) publish_await(folder, part, &request->file, wait_of_ms(request));
     ok = request->is_found ? publish_check_found(folder, name, &request->file, &error)
                            : publish_file(folder, part, name, &request->file, &error);
     if (!ok) fail(request, PUBLISH_OUTCOME_BAD_FILE, &error);

@@ -28,15 +28,17 @@ struct publish_request {
     bool is_found; // the file has its name already, says the worker: it is only looked at; `file` has no inode
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
-    int worker;     // id of the worker that rendered it
-    bool is_remote; // on another machine: its file may not be seen at once
-    int64_t epoch;  // of the part file
+    int worker;          // id of the worker that rendered it
+    uint64_t seen_by_ns; // monotonic; until then the file of another machine is awaited; 0: it was written here
+    int64_t epoch;       // of the part file
     struct published_file file;
     double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;
     enum publish_outcome outcome;
     char *error; // owned by the publisher; what is wrong; NULL: nothing
 };
+
+enum { PUBLISHER_SEEN_MS = 5000 }; // so long may what another machine wrote take to be seen
 
 enum {
     PUBLISHER_BATCH = 256,     // most requests that are looked at or renamed together; so many wait for no other batch
