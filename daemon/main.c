@@ -83,7 +83,8 @@ static int check_config(const struct options *options)
     return EXIT_SUCCESS;
 }
 
-// An output root that hangs keeps up to twelve threads, a deletion one, looks of nodes two. The environment goes before.
+// An output root that hangs keeps up to twelve threads, a deletion one, looks of nodes two. The environment goes
+// before.
 static void set_thread_count(const struct options *options)
 {
     size_t count = options->output_roots.count * ROOT_THREADS + FREE_THREADS;
