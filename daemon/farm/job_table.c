@@ -138,6 +138,8 @@ void job_record_keep_intent(struct job_record *record, const struct store_frame 
 struct store_op job_record_format_op(const struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
+    // Below 0: its end is known, and it is to be swept once its root is there.
+    int64_t finished_ms = record->needs_sweep ? -record->finished_ms : record->finished_ms;
 
     return (struct store_op){
         .kind = STORE_SET_JOB,
@@ -148,7 +150,7 @@ struct store_op job_record_format_op(const struct job_record *record)
                 .is_failed = queued->is_failed,
                 .submitted_ms = record->submitted_ms,
                 .started_ms = record->started_ms,
-                .finished_ms = record->is_swept ? record->finished_ms : 0,
+                .finished_ms = record->is_swept ? finished_ms : 0,
                 .reason = record->reason ? xstrdup(record->reason) : NULL,
                 .name = xstrdup(record->name),
                 .owner = xstrdup(record->owner),

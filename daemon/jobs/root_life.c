@@ -58,9 +58,9 @@ void root_life_note_job(struct farm *farm, struct job_record *record)
 }
 
 // A job that was revived since is swept at its next end.
-static void sweep_again(struct farm *farm, struct job_record *record)
+void root_life_sweep_again(struct farm *farm, struct job_record *record)
 {
-    if (!record->needs_sweep) return;
+    if (!record->needs_sweep || !record->output_root->is_there) return;
     record->needs_sweep = false;
     if (!record->is_ending || record->is_sweeping || record->is_deleting) return;
     record->is_sweeping = true;
@@ -84,7 +84,7 @@ void root_life_note_change(struct farm *farm, struct root *root)
         jobs += queue_job_is_live(record->queued);
         if (root->is_there) check_intents(farm, record);
         settle(farm, record);
-        if (root->is_there) sweep_again(farm, record);
+        root_life_sweep_again(farm, record);
     }
     if (root->is_there)
         log_info("output root %s is there; jobs that go on: %d", root->path, jobs);

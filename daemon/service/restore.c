@@ -96,8 +96,9 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->code = copy_text(scene_find_code(&job.scene));
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
-    record->finished_ms = row->finished_ms;
+    record->finished_ms = llabs(row->finished_ms);
     record->is_ending = record->is_swept = row->finished_ms != 0;
+    record->needs_sweep = row->finished_ms < 0;
     record->is_draft = job.quality.is_draft;
     record->has_old_parts = true;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
@@ -245,5 +246,6 @@ void restore_end_jobs(struct farm *farm)
         struct job_record *record = farm->jobs.records[i];
 
         if (!queue_job_is_live(record->queued) && !record->is_swept) job_life_note_change(farm, record);
+        root_life_sweep_again(farm, record);
     }
 }

@@ -99,7 +99,7 @@ ask job.retry "{\"id\":$job,\"state\":\"succeeded\"}" >/dev/null
 wait_state "$job" succeeded
 expect "files" "$(frames_of "$out")" 40
 
-# What a job leaves in a root that is away is removed when it is back.
+# What a job leaves in a root that is away is removed when it is back, by a daemon that was started since, too.
 farm=$(sed -n 's/^farm \(.\{8\}\).*/\1/p' "$out/.marchd-root")
 job=$(submit "$(job 1-9 '.output.path = "left/l.####.exr"')" true)
 touch "$out/left/l.0001.exr.$farm.$job.1.1.part" "$out/left/l.0001.exr.00000000.$job.1.1.part"
@@ -108,6 +108,18 @@ wait_until "the root is missed" eval '[[ $(ask daemon.status | jq -c ".result.ro
 ask job.cancel "{\"id\":$job}" >/dev/null
 mv "$away" "$out"
 wait_until "its part file is gone" eval '[ ! -e "$out/left/l.0001.exr.$farm.$job.1.1.part" ]'
+later=$(submit "$(job 1-9 '.output.path = "left/m.####.exr"')" true)
+touch "$out/left/m.0001.exr.$farm.$later.1.1.part"
+mv "$out" "$away"
+wait_until "the root is missed" eval '[[ $(ask daemon.status | jq -c ".result.roots[] | select(.path == \"$out\") | .is_there") == false ]]'
+ask job.cancel "{\"id\":$later}" >/dev/null
+finished=$(field "$later" .finished)
+stop_daemon
+start_daemon --worker-program "$(stub write:5)" --output-root "$out"
+expect "when it ended" "$(field "$later" .finished)" "$finished"
+mv "$away" "$out"
+wait_until "its part file is gone" eval '[ ! -e "$out/left/m.0001.exr.$farm.$later.1.1.part" ]'
+expect "when it ended" "$(field "$later" .finished)" "$finished"
 stop_daemon
 
 # Another farm may use the root: it takes its id over, and leaves part files of the first alone.
