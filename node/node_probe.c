@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { NAME_SIZE = 64, PAUSE_MS = 50, OLD_S = 3600 };
+enum { NAME_SIZE = 64, OLD_S = 3600 };
 
 #define PREFIX ".marchd-probe-"
 
@@ -146,14 +146,14 @@ static bool see_file(int root_fd, const char *name, struct stat *status)
     return ok;
 }
 
-static bool look_at(const struct node_probe_root *root, int root_fd, const char *name, int limit_ms,
+static bool look_at(const struct node_probe_root *root, int root_fd, const char *name, int limit_ms, int64_t *seen_ms,
                     struct error *error)
 {
-    const struct timespec pause = {.tv_nsec = PAUSE_MS * 1000 * 1000};
+    const struct timespec pause = {.tv_nsec = NODE_PROBE_PAUSE_MS * 1000 * 1000};
     struct stat status;
     int waited_ms = 0;
 
-    for (; !see_file(root_fd, name, &status); waited_ms += PAUSE_MS) {
+    for (; !see_file(root_fd, name, &status); waited_ms += NODE_PROBE_PAUSE_MS) {
         if (errno != ENOENT && errno != ESTALE) {
             error_set_errno(error, errno, "%s: what the other machine wrote cannot be read", root->path);
             return false;
@@ -165,6 +165,7 @@ static bool look_at(const struct node_probe_root *root, int root_fd, const char 
         }
         nanosleep(&pause, NULL);
     }
+    if (waited_ms > *seen_ms) *seen_ms = waited_ms;
     if (status.st_ino != root->told.inode) {
         error_set(error, "%s: one file has another inode number on each machine: not the same disk", root->path);
         return false;
@@ -197,7 +198,8 @@ bool node_probe_look(struct node_probe *probe, enum node_probe_side other, int l
         int fd = open_root(root, error);
 
         probe->is_own_fault = fd < 0;
-        ok = fd >= 0 && (is_output(root) ? look_at(root, fd, name, limit_ms, error) : look_at_folder(root, fd, error));
+        ok = fd >= 0 && (is_output(root) ? look_at(root, fd, name, limit_ms, &probe->seen_ms, error)
+                                         : look_at_folder(root, fd, error));
         if (fd >= 0) close(fd);
     }
     return ok;
@@ -223,6 +225,7 @@ void node_probe_write_json(const struct node_probe *probe, const char *fault, st
     json_write_begin_object(writer);
     json_write_string_member(writer, "token", probe->token);
     json_write_string_member(writer, "fault", fault);
+    json_write_integer_member(writer, "seen_ms", probe->seen_ms);
     json_write_key(writer, "roots");
     json_write_begin_array(writer);
     for (size_t i = 0; i < probe->count; i++) {
@@ -271,7 +274,7 @@ static bool read_root(struct node_probe *probe, bool is_answer, const struct jso
 bool node_probe_read_json(struct node_probe *probe, const struct json_node *object, struct error *error)
 {
     struct json_node token = json_node_child(object, "token"), fault = json_node_child(object, "fault");
-    struct json_node roots = json_node_child(object, "roots"), root = {0};
+    struct json_node roots = json_node_child(object, "roots"), seen = json_node_child(object, "seen_ms"), root = {0};
     const char *token_text, *fault_text;
     bool is_answer = probe->token[0] != '\0';
 
@@ -285,6 +288,7 @@ bool node_probe_read_json(struct node_probe *probe, const struct json_node *obje
         return false;
     }
     memcpy(probe->token, token_text, sizeof probe->token);
+    if (!json_read_integer(&seen, 0, INT32_MAX, &probe->seen_ms, error)) return false;
     while (json_node_next(&roots, &root))
         if (!read_root(probe, is_answer, &root, error)) return false;
     return true;

@@ -32,8 +32,11 @@ struct node_probe {
     char token[ROOT_MARKER_ID_SIZE]; // of this probe; in the names of its files
     struct node_probe_root *roots;   // owned
     size_t count, capacity;
+    int64_t seen_ms;   // the longest wait of a look, on either side
     bool is_own_fault; // of a look that failed: a root is not there on this side
 };
+
+enum { NODE_PROBE_PAUSE_MS = 50 }; // between two looks for a file
 
 enum node_probe_side { NODE_PROBE_DAEMON, NODE_PROBE_NODE };
 

@@ -260,7 +260,7 @@ static int find_umask(void)
     return mask;
 }
 
-static void welcome(struct node *node)
+static void welcome(struct node *node, int64_t seen_ms)
 {
     struct json_writer writer = {0};
 
@@ -276,7 +276,8 @@ static void welcome(struct node *node)
     node->next_beat_ms = 0;
     node->backoff = (struct retry_backoff){0};
     set_reason(node, NULL);
-    log_info("node %s: ready: %s, %d workers", node->params.name, node->host, node->params.worker_count);
+    log_info("node %s: ready: %s, workers: %d; what one side writes the other sees within %lld ms", node->params.name,
+             node->host, node->params.worker_count, (long long)(seen_ms + NODE_PROBE_PAUSE_MS));
     node->handlers->on_change(node->user, node);
 }
 
@@ -358,6 +359,7 @@ static void greet(struct node *node)
 static void on_looked(void *user, struct node_probe *probe, const struct error *error)
 {
     struct node *node = user;
+    int64_t seen_ms = probe->seen_ms;
     bool is_own_fault = probe->is_own_fault;
 
     node->look = NULL;
@@ -367,7 +369,7 @@ static void on_looked(void *user, struct node_probe *probe, const struct error *
     else if (error->message[0] && node->state == NODE_PROBING)
         lose(node, error->message);
     else if (node->state == NODE_PROBING)
-        welcome(node);
+        welcome(node, seen_ms);
 }
 
 static bool take_probed(struct node *node, const struct node_line *line, struct error *error)

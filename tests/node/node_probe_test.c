@@ -96,7 +96,9 @@ static void both_see_one_folder(void **state)
     begin(state, &pair);
     assert_true(answer(&pair));
     assert_int_equal(count_files(state, "root"), 3);
+    pair.node.seen_ms = 350;
     assert_true(tell(&pair.node, NULL, &pair.daemon, &pair.error));
+    assert_int_equal(pair.daemon.seen_ms, 350);
     assert_true(node_probe_look(&pair.daemon, NODE_PROBE_NODE, 0, &pair.error));
     node_probe_remove(&pair.daemon);
     assert_int_equal(count_files(state, "root"), 1);

@@ -133,7 +133,7 @@ thief)
     : | "$2" --node | sed -n '/^marchd-node/s/"landlock":[0-9]*/"landlock":7/p'
     read -r order
     token=$(echo "$order" | sed 's/.*"token":"\([0-9a-f]*\)".*/\1/')
-    echo "probed {\"token\":\"$token\",\"fault\":null,\"roots\":[{\"path\":\"/etc/shadow\",\"id\":\"\",\"inode\":\"1\",\"uid\":0}]}"
+    echo "probed {\"token\":\"$token\",\"fault\":null,\"seen_ms\":0,\"roots\":[{\"path\":\"/etc/shadow\",\"id\":\"\",\"inode\":\"1\",\"uid\":0}]}"
     ;;
 odd) echo 'marchd-node {"protocol":' ;;
 evil) printf '%s\n' 'marchd-node {"protocol":1,"version":"1\n<2>forged: \u001b[31m","host":"x","landlock":7}' ;;
