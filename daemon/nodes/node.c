@@ -277,7 +277,7 @@ static void welcome(struct node *node, int64_t seen_ms)
     node->backoff = (struct retry_backoff){0};
     set_reason(node, NULL);
     log_info("node %s: ready: %s, workers: %d; what one side writes the other sees within %lld ms", node->params.name,
-             node->host, node->params.worker_count, (long long)(seen_ms + NODE_PROBE_PAUSE_MS));
+             node->host, node->params.worker_count, (long long)seen_ms + NODE_PROBE_PAUSE_MS);
     node->handlers->on_change(node->user, node);
 }
 
