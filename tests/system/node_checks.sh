@@ -1,5 +1,5 @@
-# What other machines are to the service: march-launch's unit, and a node by ssh, which is this machine itself. Sourced by
-# tests/service.
+# What other machines are to the service: march-launch's unit, and nodes by ssh and Slurm, which are this machine itself.
+# Sourced by tests/service.
 
 # worker_package_installs: the node's package alone.
 worker_package_installs()
@@ -121,4 +121,73 @@ END
     inside systemctl start marchd.socket marchd.service
     inside systemctl stop "test-sshd-$port"
     inside sh -c 'rm -f /etc/marchd/ssh/id* /etc/marchd/ssh/known_hosts /etc/marchd/ssh/node_key /usr/local/bin/probe'
+}
+
+# start_slurm: a cluster of this machine alone, on ports of 127.0.0.1; the first is in $slurm_port.
+start_slurm()
+{
+    local name
+
+    name=$(inside hostname -s)
+    inside mkdir -p /run/test-slurm/controller /run/test-slurm/node
+    until
+        slurm_port=$((20000 + RANDOM % 12000))
+        cat >"$root/etc/slurm/slurm.conf" <<END
+ClusterName=tests
+SlurmctldHost=$name(127.0.0.1)
+SlurmctldPort=$slurm_port
+SlurmdPort=$((slurm_port + 1))
+SlurmUser=root
+SlurmdUser=root
+StateSaveLocation=/run/test-slurm/controller
+SlurmdSpoolDir=/run/test-slurm/node
+SlurmctldPidFile=/run/test-slurm/controller.pid
+SlurmdPidFile=/run/test-slurm/node.pid
+MailProg=/bin/true
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SlurmdParameters=config_overrides
+ReturnToService=2
+NodeName=$name NodeAddr=127.0.0.1 CPUs=4 RealMemory=500 State=UNKNOWN
+PartitionName=render Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+END
+        inside systemd-run -q --unit="test-slurmctld-$slurm_port" /usr/sbin/slurmctld -D
+        inside systemd-run -q --unit="test-slurmd-$slurm_port" /usr/sbin/slurmd -D -N "$name"
+        comes_true eval '! slurm_runs || inside sinfo -h -o %t | grep -qx idle'
+        slurm_runs
+    do :; done
+}
+
+slurm_runs()
+{
+    inside systemctl is-active -q "test-slurmctld-$slurm_port" && inside systemctl is-active -q "test-slurmd-$slurm_port"
+}
+
+slurm_renders()
+{
+    local id slurm_port
+
+    start_slurm
+    cp "$root/etc/marchd/marchd.conf" "$work/conf"
+    set_conf "workers = none" "pool = lent launcher=slurm workers=1 max=1 idle=1"
+    inside systemctl restart marchd.service
+    id=$(submit ann "$(cloud_job 1-3 64 36 lent)")
+    as ann march wait "$id"
+    landed_once lent 3
+    expect "who rendered" "$(inside march workers --json | jq -c '[.. | objects | .pool? // empty] | unique')" '["lent"]'
+    expect "the rights of a picture" "$(stat -c %a "$root/srv/marchd/lent/c.0001.exr")" 644
+    # srun has the network, and the daemon gets at neither.
+    id=$(submit ann "$(cloud_job 1 480 270 lastlent)")
+    until_true "its frame is being rendered" eval '[ "$(job_field ann '"$id"' .running)" = 1 ]'
+    expect "srun's unit" "$(inside sh -c 'ps -o unit= -p "$(pgrep -o -x srun)"')" march-launch.service
+    keys_are_out_of_reach "$(inside pgrep -o -x srun)"
+    as ann march wait "$id"
+    until_true "the machine is given back" eval '[ -z "$(inside squeue -h)" ]'
+    inside systemctl stop "test-slurmd-$slurm_port" "test-slurmctld-$slurm_port"
+    inside rm -r /etc/slurm/slurm.conf /run/test-slurm
+    cp "$work/conf" "$root/etc/marchd/marchd.conf"
+    inside systemctl restart marchd.service
 }

@@ -2,8 +2,10 @@
 # tests/service.
 # The root is of this machine's Debian release, for which the package is built.
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-# The packages jq and procps are for the test itself, ssh's for nodes; the others are those of any Debian with systemd.
+# The packages jq and procps are for the test itself, ssh's and Slurm's for nodes; the others are those of any Debian with
+# systemd.
 root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps,openssh-server,openssh-client
+root_packages+=,slurmctld,slurmd,slurm-client,munge
 cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
 
 # find_mirror ARCHIVE: prints the archive's mirror in this machine's own apt sources. It prints nothing where there is
