@@ -93,7 +93,7 @@ class Watch(threading.Thread):
             except OSError:
                 answer = None
             # What a signal of the campaign or a limit of descriptors caused is no silence of the daemon's.
-            if answer and generation == self.farm.generation:
+            if answer and generation == self.farm.generation and self.farm.answer_s == PATIENCE_S:
                 self.silence_s = max(self.silence_s, time.monotonic() - began)
             self.memory_bytes = max(self.memory_bytes, self.farm.memory_bytes())
             time.sleep(0.1)

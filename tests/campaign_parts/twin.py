@@ -15,10 +15,11 @@ class Twin:
         self.farm = Farm(folder, programs, self.machine, [0], [root], workers=1)
         self.farm.set_modes("write:5 write:50 crash short")
         self.books, self.folders = Books(), set()
+        self.name = f"u{folder.rsplit('.', 1)[1]}"  # of its files: one before it may have written into the same folder
         self.farm.start()
 
     def submit(self, document, folder, frames):
-        output = dict(document["output"], path=f"{folder}/u.####.exr")
+        output = dict(document["output"], path=f"{folder}/{self.name}.####.exr")
         answer = self.farm.get("job.submit", {"document": dict(document, frames=f"1-{frames}", output=output)})
         self.books.accepted.add(answer["id"])
         self.folders.add(folder)
@@ -40,7 +41,7 @@ class Twin:
 
     def parts_left(self):
         return [name for folder in self.folders if os.path.isdir(folder) for name in os.listdir(folder)
-                if name.startswith("u.") and name.endswith(".part")]
+                if name.startswith(self.name + ".") and name.endswith(".part")]
 
     def audit(self, roots, jobs, frames, is_foreign):
         """What is wrong, of its jobs alone. No farm may run."""

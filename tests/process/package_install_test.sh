@@ -37,7 +37,7 @@ expect march-launch@.service "$(differs march-launch.service)" "PartOf=marchd@%i
 Before=marchd@%i.service
 ExecStart=$prefix/bin/march-launch --config /etc/marchd/%i.conf
 InaccessiblePaths=-/var/lib/marchd -/var/lib/marchd@%i -/var/cache/marchd -/var/cache/marchd@%i -/srv/marchd -/srv/marchd@%i \
--/srv/marchd-input"
+-/srv/marchd-input -/run/marchd"
 cmp -s "$PROJECT_ROOT/deploy/marchd.conf" "$root/etc/marchd/marchd.conf" || fail "marchd.conf is not the one of the tree"
 
 # Examples name their files relative to themselves; the scan's file comes from another package.
