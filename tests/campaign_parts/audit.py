@@ -198,5 +198,5 @@ class Audit:
             held.setdefault(path, []).append(inode)
         self.published = len(names)
         for path, inodes in held.items():
-            if len(inodes) > 1 and os.path.dirname(path) not in books.again:
+            if len(inodes) > 1 and not books.may_be_published_twice(path):
                 self.note("published twice", f"{path} had the inodes {', '.join(inodes)}")

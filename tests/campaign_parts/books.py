@@ -30,6 +30,10 @@ class Books:
         self.unknown |= later
         self.replaced |= {path for _, path in names_then} & later
 
+    def may_be_published_twice(self, path):
+        """Of a job whose submit had no answer, only the names tell that a restored backup brought it back."""
+        return os.path.dirname(path) in self.again or path in self.unknown
+
     def known(self):
         return sorted(set(self.jobs) - self.deleted - self.forgotten)
 
