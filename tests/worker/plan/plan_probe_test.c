@@ -207,9 +207,40 @@ static void an_audit_by_steps_measures_what_is_published(void **state)
     tolerance_stage_close(stage);
 }
 
+// Four bright pixels that are in the middle of no block.
+static void light_in_few_pixels_is_probed(void **state)
+{
+    static const struct pixel bright[] = {{0, 0}, {319, 0}, {0, 179}, {319, 179}};
+    struct job job;
+    struct plan_lattice lattice;
+    struct image frame;
+
+    (void)state;
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, 320, 180, 2.0);
+    assert_true(image_init(&frame, job.width_px, job.height_px, false, false, NULL));
+    memset(frame.rgba, 0, 4 * sizeof(float) * 320 * 180);
+    for (size_t i = 0; i < 4; i++)
+        frame.rgba[4 * (bright[i].y * 320 + bright[i].x)] = 1.0F;
+    plan_probe_init_lattice(&lattice, &job, &frame);
+    assert_true(plan_lattice_count(&lattice) < 320 * 180 / 4);
+    for (size_t i = 0; i < 4; i++) {
+        size_t at = 0;
+
+        while (at < plan_lattice_count(&lattice) &&
+               (lattice.pixels[at].x != bright[i].x || lattice.pixels[at].y != bright[i].y))
+            at++;
+        assert_true(at < plan_lattice_count(&lattice));
+    }
+    plan_lattice_finish(&lattice);
+    image_finish(&frame);
+    job_finish(&job);
+}
+
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(light_in_few_pixels_is_probed),
         cmocka_unit_test(what_is_to_blame_is_told_by_the_frames_own_pixels),
         cmocka_unit_test(an_audit_by_steps_measures_what_is_published),
     };
