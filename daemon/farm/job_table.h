@@ -50,7 +50,7 @@ struct job_record {
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
     int root_doubts;                         // faults of a root that was there all the same, since the latest frame
     bool is_output_checked;                  // a check of its output is under way
-    bool needs_sweep;                        // its root was not there when it was swept
+    bool needs_sweep;                        // part files may be left: of a root that was away, of a lost node
     bool needs_own_worker;                   // a frame of it failed in a worker that was started for another job
     int holds;                               // users that keep it alive after its removal
     bool is_unreadable;                      // its document cannot be read: it is shown, and can be deleted

@@ -252,7 +252,6 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
 {
     struct queue_ticket ticket = frame->ticket;
     char *log = worker_process_take_log(worker, report->error);
-    char *error = xstrdup(report->error);
     struct attempt_end end = {.record = record,
                               .ticket = ticket,
                               .fault = report->fault,
@@ -261,7 +260,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .is_hosted = worker_process_is_host(worker, ticket.job),
                               .is_old = worker->fence && job_fence_is_old(worker->fence),
                               .worker = worker->id,
-                              .error = error,
+                              .error = report->error,
                               .log = log};
 
     log_disarm(log); // other users see it
@@ -273,7 +272,6 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     release_frame(farm, record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
-    free(error);
     free(log);
 }
 

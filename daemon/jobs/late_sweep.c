@@ -3,7 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "daemon/farm/farm.h"
-#include "daemon/output/sweeper.h"
+#include "daemon/jobs/root_life.h"
 
 #include <stdlib.h>
 
@@ -39,9 +39,9 @@ void late_sweep_run(struct farm *farm)
             link = &sweep->next;
             continue;
         }
-        if (record && record->is_swept && !record->is_deleting) {
-            record->is_sweeping = true;
-            sweeper_sweep_job(farm->sweeper, record);
+        if (record && record->is_swept) {
+            record->needs_sweep = true;
+            root_life_sweep_again(farm, record);
         }
         *link = sweep->next;
         free(sweep);

@@ -60,10 +60,9 @@ void root_life_note_job(struct farm *farm, struct job_record *record)
 // A job that was revived since is swept at its next end.
 void root_life_sweep_again(struct farm *farm, struct job_record *record)
 {
-    if (!record->needs_sweep || !record->output_root->is_there) return;
-    record->needs_sweep = false;
-    if (!record->is_ending || record->is_sweeping || record->is_deleting) return;
-    record->is_sweeping = true;
+    if (!record->is_ending) record->needs_sweep = false;
+    if (!record->needs_sweep || !record->output_root->is_there || record->is_sweeping || record->is_deleting) return;
+    record->is_sweeping = true; // it needs that until it is done: a crash may come before
     sweeper_sweep_job(farm->sweeper, record);
 }
 

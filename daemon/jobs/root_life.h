@@ -26,7 +26,7 @@ void root_life_lose(struct farm *farm, struct root *root, const char *why);
 void root_life_note_change(struct farm *farm, struct root *root);
 // To be called for each job when it is added: one whose root is not there waits.
 void root_life_note_job(struct farm *farm, struct job_record *record);
-// Sweeps a job that ended while its root was not there, once it is.
+// Sweeps a job that needs it (job_table.h) once its root is there.
 void root_life_sweep_again(struct farm *farm, struct job_record *record);
 // No worker can be started for the job: it waits for its root, is held, or fails if the fault is its own.
 void root_life_refuse(struct farm *farm, struct job_record *record, enum retry_fault fault, const char *why);

@@ -251,10 +251,13 @@ static void publish_one(const char *farm, struct publish_request *request, int f
     bool ok;
 
     output_path_format_name(path, request->ticket.frame, name);
-    if (!request->is_found) output_path_format_part(path, &names, part);
-    if (!request->is_found) publish_await(folder, part, &request->file, wait_of_ms(request));
-    ok = request->is_found ? publish_check_found(folder, name, &request->file, &error)
-                           : publish_file(folder, part, name, &request->file, &error);
+    if (request->is_found) {
+        ok = publish_check_found(folder, name, &request->file, &error);
+    } else {
+        output_path_format_part(path, &names, part);
+        publish_await(folder, part, &request->file, wait_of_ms(request));
+        ok = publish_file(folder, part, name, &request->file, &error);
+    }
     if (!ok) fail(request, PUBLISH_OUTCOME_BAD_FILE, &error);
 }
 
