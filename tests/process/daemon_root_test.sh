@@ -100,24 +100,27 @@ wait_state "$job" succeeded
 expect "files" "$(frames_of "$out")" 40
 
 # What a job leaves in a root that is away is removed when it is back, by a daemon that was started since, too.
+rm -r "$away" # the first root, whose place was taken
 farm=$(sed -n 's/^farm \(.\{8\}\).*/\1/p' "$out/.marchd-root")
 job=$(submit "$(job 1-9 '.output.path = "left/l.####.exr"')" true)
 touch "$out/left/l.0001.exr.$farm.$job.1.1.part" "$out/left/l.0001.exr.00000000.$job.1.1.part"
-mv "$out" "$away"
+mv -T "$out" "$away"
 wait_until "the root is missed" eval '[[ $(ask daemon.status | jq -c ".result.roots[] | select(.path == \"$out\") | .is_there") == false ]]'
 ask job.cancel "{\"id\":$job}" >/dev/null
-mv "$away" "$out"
+[ -e "$away/left/l.0001.exr.$farm.$job.1.1.part" ] || fail "its part file is gone while the root is away"
+mv -T "$away" "$out"
 wait_until "its part file is gone" eval '[ ! -e "$out/left/l.0001.exr.$farm.$job.1.1.part" ]'
 later=$(submit "$(job 1-9 '.output.path = "left/m.####.exr"')" true)
 touch "$out/left/m.0001.exr.$farm.$later.1.1.part"
-mv "$out" "$away"
+mv -T "$out" "$away"
 wait_until "the root is missed" eval '[[ $(ask daemon.status | jq -c ".result.roots[] | select(.path == \"$out\") | .is_there") == false ]]'
 ask job.cancel "{\"id\":$later}" >/dev/null
 finished=$(field "$later" .finished)
 stop_daemon
 start_daemon --worker-program "$(stub write:5)" --output-root "$out"
 expect "when it ended" "$(field "$later" .finished)" "$finished"
-mv "$away" "$out"
+[ -e "$away/left/m.0001.exr.$farm.$later.1.1.part" ] || fail "its part file is gone while the root is away"
+mv -T "$away" "$out"
 wait_until "its part file is gone" eval '[ ! -e "$out/left/m.0001.exr.$farm.$later.1.1.part" ]'
 expect "when it ended" "$(field "$later" .finished)" "$finished"
 stop_daemon
