@@ -239,6 +239,17 @@ class Stories(unittest.TestCase):
         self.audit.compare_names({(7, 1): "/a/s"}, {"/a/s": 2}, Books())
         self.assertEqual(len(self.audit.wrong), 1)
 
+    def test_a_success_that_a_killed_daemon_had_told(self):
+        self.tell(("running", 1), ("succeeded", 1))
+        self.audit.begin_session()
+        self.assertEqual(self.tell(("succeeded", 1)), 0)
+        self.audit.compare_names({(7, 1): "/a/s"}, {"/a/s": 1}, Books())
+        self.assertEqual(self.audit.wrong, [])
+        self.audit.begin_session()
+        self.tell(("running", 2), ("succeeded", 2))
+        self.audit.compare_names({(7, 1): "/a/s"}, {"/a/s": 1}, Books())
+        self.assertEqual(len(self.audit.wrong), 2)
+
     def test_a_success_without_a_file(self):
         self.tell(("running", 1), ("succeeded", 1))
         self.audit.compare_names({(7, 1): "/a/s"}, {}, Books())

@@ -15,6 +15,7 @@ class EventAudit:
     def __init__(self):
         self.wrong, self.heard = [], 0
         self.published = {}  # how often a frame was said to have succeeded, by job and frame
+        self.succeeded = {}  # the attempt of which that was said last: a daemon that was killed before says it again
         self.begin_session()
 
     def begin_session(self):
@@ -47,7 +48,8 @@ class EventAudit:
             self.wrong.append(f"{name}: {state} after a later end or start")
         self.ended[frame], self.last[frame] = attempt, state
         if state == "succeeded":
-            self.published[frame] = self.published.get(frame, 0) + 1
+            self.published[frame] = self.published.get(frame, 0) + (self.succeeded.get(frame) != attempt)
+            self.succeeded[frame] = attempt
 
     def note_job(self, job):
         if sum(job[state] for state in FRAME_STATES) != job["frames"]:
