@@ -12,6 +12,10 @@ struct error;
 
 enum { LAUNCH_REQUEST_SIZE = 4096, LAUNCH_END_SIZE = 128 }; // bytes of a request, of the answer
 
+// How an answer begins where the command was not ended by a signal; the number follows.
+#define LAUNCH_END_STATUS "the launcher ended with exit status "
+#define LAUNCH_END_WELL LAUNCH_END_STATUS "0"
+
 struct launch_request {
     const char *pool;                               // borrowed from `text`, as the words
     const char *words[POOL_COMMAND_WORD_LIMIT + 1]; // of pool_command.h; ends in NULL

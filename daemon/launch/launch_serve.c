@@ -95,7 +95,7 @@ static void tell_end(int socket, int status)
     if (WIFSIGNALED(status))
         snprintf(text, sizeof text, "the launcher was ended by signal %d", WTERMSIG(status));
     else
-        snprintf(text, sizeof text, "the launcher ended with exit status %d", WEXITSTATUS(status));
+        snprintf(text, sizeof text, LAUNCH_END_STATUS "%d", WEXITSTATUS(status));
     answer(socket, text);
 }
 

@@ -11,7 +11,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,7 +100,7 @@ static void on_exit_seen(uv_process_t *process, int64_t status, int signal)
     if (signal)
         snprintf(launch->end, sizeof launch->end, "the launcher was ended by signal %d", signal);
     else
-        snprintf(launch->end, sizeof launch->end, "the launcher ended with exit status %lld", (long long)status);
+        snprintf(launch->end, sizeof launch->end, LAUNCH_END_STATUS "%lld", (long long)status);
     if (launch->is_ending) close_handles(launch);
 }
 
@@ -251,6 +250,11 @@ const char *node_launch_last_text(struct node_launch *launch)
 const char *node_launch_format_end(struct node_launch *launch)
 {
     return launch->has_exited ? launch->end : NULL;
+}
+
+bool node_launch_has_succeeded(const struct node_launch *launch)
+{
+    return strcmp(launch->end, LAUNCH_END_WELL) == 0;
 }
 
 static void on_kill(uv_timer_t *timer)

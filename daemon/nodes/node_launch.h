@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include <uv.h>
@@ -34,5 +35,7 @@ struct node_launch *node_launch_start(uv_loop_t *loop, const struct node_launch_
 const char *node_launch_last_text(struct node_launch *launch);
 // How it ended, for people: an exit status tells nothing for sure. NULL while it runs.
 const char *node_launch_format_end(struct node_launch *launch);
+// Whether it ended with exit status 0.
+bool node_launch_has_succeeded(const struct node_launch *launch);
 // Ends the launcher, by SIGTERM and then by SIGKILL. It frees itself; `on_text` is not called any more.
 void node_launch_end(struct node_launch *launch);

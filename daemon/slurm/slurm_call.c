@@ -11,13 +11,14 @@
 #include <unistd.h>
 
 // A controller that is busy answers late; a command of Slurm's gives up after about 10 s, some of them try again.
-enum { LIMIT_MS = 60 * 1000, TEXT_LIMIT = 4 * 1024 * 1024 };
+// How it ended is known soon after its output is closed.
+enum { LIMIT_MS = 60 * 1000, TEXT_LIMIT = 4 * 1024 * 1024, END_WAIT_MS = 10, END_WAITS = 500 };
 
 struct slurm_call {
     struct node_launch *launch; // NULL: ended
     uv_pipe_t out;
-    uv_timer_t limit;
-    int open_handles;
+    uv_timer_t limit; // of its time; then of the wait for its end
+    int open_handles, end_waits;
     char *text; // owned
     size_t length, capacity;
     slurm_call_on_end *on_end;
@@ -35,13 +36,23 @@ static void on_allocate(uv_handle_t *handle, size_t suggested, uv_buf_t *buffer)
 static void end(struct slurm_call *call, bool has_ended, const char *reason)
 {
     char trouble[NODE_LAUNCH_TEXT_SIZE];
+    struct slurm_answer answer = {.trouble = trouble};
 
     uv_read_stop((uv_stream_t *)&call->out);
     uv_timer_stop(&call->limit);
     snprintf(trouble, sizeof trouble, "%s", reason ? reason : node_launch_last_text(call->launch));
     call->text = xgrow(call->text, &call->capacity, call->length + 1, 1);
     call->text[call->length] = '\0';
-    call->on_end(call->user, has_ended ? call->text : NULL, trouble);
+    answer.text = has_ended ? call->text : NULL;
+    answer.is_whole = has_ended && node_launch_has_succeeded(call->launch);
+    call->on_end(call->user, &answer);
+}
+
+static void on_end_wait(uv_timer_t *timer)
+{
+    struct slurm_call *call = timer->data;
+
+    if (node_launch_format_end(call->launch) || ++call->end_waits == END_WAITS) end(call, true, NULL);
 }
 
 static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buffer)
@@ -49,10 +60,12 @@ static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buffer)
     struct slurm_call *call = stream->data;
 
     if (count > 0) call->length += (size_t)count;
-    if (count < 0)
-        end(call, true, NULL);
-    else if (call->length > TEXT_LIMIT)
+    if (count < 0) {
+        uv_read_stop(stream);
+        uv_timer_start(&call->limit, on_end_wait, 0, END_WAIT_MS);
+    } else if (call->length > TEXT_LIMIT) {
         end(call, false, "it says too much");
+    }
 }
 
 static void on_limit(uv_timer_t *timer)

@@ -2,15 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
+
 #include <uv.h>
 
 struct error;
 struct node_launch_order;
 struct slurm_call;
 
-// `text` is what it printed, ended by NUL; NULL: it did not end, or printed too much. `trouble` is what it said of a
-// fault; "": nothing. The exit status says nothing: whoever asks looks at the text. The callee closes the call.
-typedef void slurm_call_on_end(void *user, char *text, const char *trouble);
+struct slurm_answer {
+    char *text;          // what it printed, ended by NUL; NULL: it did not end, or printed too much
+    bool is_whole;       // it ended with exit status 0: one that was killed may have printed some lines only
+    const char *trouble; // what it said of a fault; "": nothing
+};
+
+// The callee closes the call.
+typedef void slurm_call_on_end(void *user, const struct slurm_answer *answer);
 
 // `order` is borrowed during the call. NULL on failure, with the cause.
 struct slurm_call *slurm_call_start(uv_loop_t *loop, const struct node_launch_order *order, slurm_call_on_end *on_end,

@@ -56,7 +56,7 @@ struct slurm_pool {
     char *trouble; // owned; why Slurm cannot be used; NULL: it can
 };
 
-static void on_call_end(void *user, char *text, const char *trouble);
+static void on_call_end(void *user, const struct slurm_answer *answer);
 static void step(struct slurm_pool *slurm);
 
 static const struct slurm_options *settings(const struct slurm_pool *slurm)
@@ -117,7 +117,7 @@ static void call(struct slurm_pool *slurm, enum call_kind kind, int index, const
     slurm->index = index;
     slurm->asked_ms = slurm->now_ms;
     slurm->call = slurm_call_start(slurm->loop, &order, on_call_end, slurm, &error);
-    if (!slurm->call) on_call_end(slurm, NULL, error.message);
+    if (!slurm->call) on_call_end(slurm, &(struct slurm_answer){.trouble = error.message});
 }
 
 static void look(struct slurm_pool *slurm)
@@ -159,24 +159,27 @@ static const char *or_silence(const char *trouble)
     return *trouble ? trouble : "it said nothing";
 }
 
-static void take_look(struct slurm_pool *slurm, char *text, const char *trouble)
+static void take_look(struct slurm_pool *slurm, const struct slurm_answer *answer)
 {
+    char *text = answer->is_whole ? answer->text : NULL;
     struct error error = {0};
 
     if (text && *text && allocations_take_answer(&slurm->allocations, text, slurm->asked_ms, &error)) {
         set_trouble(slurm, NULL);
     } else {
         // What it does not say is not known: everything stays as it was.
-        set_trouble(slurm,
-                    xasprintf("Slurm does not answer: %s", error.message[0] ? error.message : or_silence(trouble)));
+        set_trouble(slurm, xasprintf("Slurm does not answer: %s",
+                                     error.message[0] ? error.message : or_silence(answer->trouble)));
     }
     slurm->look_ms = slurm->now_ms + slurm->look_wait_ms;
     if (++slurm->look_count < LOOK_SOON_COUNT) return;
     slurm->look_wait_ms = slurm->look_wait_ms * 3 / 2 < LOOK_LAST_MS ? slurm->look_wait_ms * 3 / 2 : LOOK_LAST_MS;
 }
 
-static void take_job(struct slurm_pool *slurm, const char *text, const char *trouble)
+// A job that it names was taken, however sbatch ended.
+static void take_job(struct slurm_pool *slurm, const struct slurm_answer *answer)
 {
+    const char *text = answer->text, *trouble = answer->trouble;
     struct error error = {0};
     int64_t job;
     char *reason;
@@ -198,16 +201,16 @@ static void take_job(struct slurm_pool *slurm, const char *text, const char *tro
     free(reason);
 }
 
-static void on_call_end(void *user, char *text, const char *trouble)
+static void on_call_end(void *user, const struct slurm_answer *answer)
 {
     struct slurm_pool *slurm = user;
     struct slurm_call *call = slurm->call;
 
     slurm->now_ms = (int64_t)uv_now(slurm->loop);
-    if (slurm->kind == CALL_LOOK) take_look(slurm, text, trouble);
-    if (slurm->kind == CALL_ASK) take_job(slurm, text, trouble);
+    if (slurm->kind == CALL_LOOK) take_look(slurm, answer);
+    if (slurm->kind == CALL_ASK) take_job(slurm, answer);
     if (slurm->kind == CALL_CANCEL) {
-        if (*trouble) log_warn("pool %s: %s", slurm->params.pool->name, trouble);
+        if (*answer->trouble) log_warn("pool %s: %s", slurm->params.pool->name, answer->trouble);
         look_soon(slurm);
     }
     slurm_call_close(call);

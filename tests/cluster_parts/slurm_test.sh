@@ -13,7 +13,7 @@ fi
 . "$here/tests/process/farm.sh"
 chmod 711 "$scratch"
 cluster=$scratch/cluster
-all="frames restart walled controller asked again power step cut none_free no_srun operator too_long runs_out chaos"
+all="frames restart walled controller asked again power step cut none_free no_srun half_look operator too_long runs_out chaos"
 workers=2 # on each machine
 max=3
 minutes=${MINUTES:-5} # of chaos
@@ -323,6 +323,26 @@ no_srun()
     stop_daemon
     start_farm
     end_work srun 4
+    end_farm
+}
+
+# A squeue that is killed while it prints says nothing of the machines that it has not come to.
+half_look()
+{
+    start_farm
+    begin_work half 200
+    settle
+    cat >"$scratch/commands/squeue" <<'END'
+#!/bin/bash
+/usr/bin/squeue "$@" | head -n 2
+kill -KILL $$
+END
+    chmod +x "$scratch/commands/squeue"
+    wait_until "its silence is told" grep -q "Slurm does not answer" "$scratch/daemon.log"
+    end_work half 200
+    expect "machines at work" "$(workers .node | jq -c unique)" '["n1","n2","n3"]'
+    grep "knows no job" "$scratch/daemon.log" && fail "a machine was given up"
+    rm "$scratch/commands/squeue"
     end_farm
 }
 
