@@ -157,7 +157,8 @@ class Acts(ClientActs, StoreActs):
         root = self.farm.roots[0]
         self.twin.submit(self.document, f"{root}/twin.{self.twins}/{self.number}", self.random.randint(1, 20))
         number = self.any_job()
-        if number and self.books.jobs[number]["root"] == root:
+        # A job of its own may still write there, from an act before.
+        if number and self.books.jobs[number]["root"] == root and self.books.jobs[number]["folder"] not in self.twin.folders:
             self.twin.submit(self.document, self.books.jobs[number]["folder"], self.random.randint(1, 20))
 
     def end_second_farm(self):
