@@ -17,6 +17,7 @@ all="frames restart walled controller asked again power step cut none_free no_sr
 workers=2 # on each machine
 max=3
 minutes=${MINUTES:-5} # of chaos
+seed=${SEED:-$RANDOM} # of what it hits, and when
 worker=$(stub write:200)
 as_daemon=(env "PATH=$scratch/commands:$PATH")
 mkdir "$scratch/commands" # what stands before Slurm's own
@@ -400,12 +401,31 @@ runs_out()
     max=3
 }
 
+# once_and_whole FOLDER COUNT NAMES: so many frames, each of which got its name once, and is the file that got it, whole. A
+# line of NAMES is "INODE PATH", by the library that the daemon was started with.
+once_and_whole()
+{
+    local folder=$scratch/out/$1 frame name
+
+    expect_files "$1" "$2"
+    expect "names given twice" "$(sed 's/^[0-9]* //' "$3" | sort | uniq -d)" ""
+    expect "files that are not those named" \
+        "$(find "$folder" -name '*.exr' -printf '%i %p\n' | sort | diff - <(grep -F " $folder/" "$3" | sort))" ""
+    for ((frame = 1; frame <= $2; frame++)); do
+        name=$(printf '%s/f.%04d.exr' "$folder" $frame)
+        [ "$(cat "$name")" = "frame $frame" ] || fail "$name: $(cat "$name")"
+    done
+}
+
 # Something breaks every second.
 chaos()
 {
     local ends victim frames=$((minutes * 60 * 20)) round=0 slow
 
     [ "$minutes" -gt 0 ] || return 0
+    echo "chaos: SEED=$seed"
+    RANDOM=$seed
+    as_daemon+=("LD_PRELOAD=$bin/libmachine_shim.so" "LD_MACHINE_NAMES=$scratch/names")
     slow=$(stub write:500)
     sed "s|--worker .*|--worker \"$slow\"|" "$scratch/node" >"$scratch/half" && chmod +x "$scratch/half"
     start_farm workers=4 gres=gpu:2 "program=$scratch/half"
@@ -430,8 +450,8 @@ chaos()
     done
     wait_until "the machines answer" all_answer
     wait_state "$id" succeeded
-    expect_files chaos "$frames"
-    echo "chaos: $frames frames, $round blows"
+    once_and_whole chaos "$frames" "$scratch/names"
+    echo "chaos: $frames frames, each named once and whole, $round blows"
     end_farm
 }
 
