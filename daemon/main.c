@@ -3,6 +3,8 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
+#include "core/json/json_write.h"
+#include "daemon/requests/openrpc.h"
 #include "daemon/service/config_check.h"
 #include "daemon/service/copies.h"
 #include "daemon/service/daemon.h"
@@ -73,6 +75,15 @@ static void print_mistake(void *user, const char *mistake)
     fprintf(stderr, "marchd: %s\n", mistake);
 }
 
+static void print_openrpc(void)
+{
+    struct json_writer writer = {0};
+
+    openrpc_write(&writer);
+    puts(writer.text);
+    json_writer_finish(&writer);
+}
+
 static int check_config(const struct options *options)
 {
     config_check_print(options, stderr);
@@ -133,7 +144,9 @@ int main(int argc, char **argv)
     else if (options.wants_version) {
         version_print(stdout, "marchd");
         library_versions_print(stdout);
-    } else if (options.wants_check)
+    } else if (options.wants_openrpc)
+        print_openrpc();
+    else if (options.wants_check)
         status = check_config(&options);
     else if (options.backup_file)
         status = copies_back_up(&options);

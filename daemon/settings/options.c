@@ -45,6 +45,7 @@ enum option_code {
     OPTION_NEW_STORE,
     OPTION_BACKUP,
     OPTION_RESTORE,
+    OPTION_OPENRPC,
     OPTION_HELP,
     OPTION_VERSION
 };
@@ -82,6 +83,7 @@ static const struct option long_options[] = {
     {"new-store", no_argument, NULL, OPTION_NEW_STORE},
     {"backup", required_argument, NULL, OPTION_BACKUP},
     {"restore", required_argument, NULL, OPTION_RESTORE},
+    {"openrpc", no_argument, NULL, OPTION_OPENRPC},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
     {NULL, 0, NULL, 0},
@@ -385,7 +387,8 @@ static bool parse_line(struct setter *setter, int argc, char **argv, struct firs
     while ((code = getopt_long(argc, argv, "+:", long_options, NULL)) != -1) {
         if (code == OPTION_HELP) options->wants_help = true;
         if (code == OPTION_VERSION) options->wants_version = true;
-        if (code == OPTION_HELP || code == OPTION_VERSION) return true;
+        if (code == OPTION_OPENRPC) options->wants_openrpc = true;
+        if (code == OPTION_HELP || code == OPTION_VERSION || code == OPTION_OPENRPC) return true;
         if (code == '?' || code == ':') {
             error_set(error, code == ':' ? "%s: expected a value after it" : "%s: there is no such option, see --help",
                       argv[optind - 1]);
@@ -409,7 +412,7 @@ static bool read_all(struct setter *setter, int argc, char **argv, const struct 
     const char *socket = surroundings->marchd_socket;
 
     if (!parse_line(setter, argc, argv, &first, error)) return false;
-    if (options->wants_help || options->wants_version) return true;
+    if (options->wants_help || options->wants_version || options->wants_openrpc) return true;
     if (!read_file(setter, surroundings, first.config, first.is_system, error)) return false;
     if (socket && *socket && !set_path(setter, &options->socket_path, "socket", socket, error)) return false;
     if (!parse_line(setter, argc, argv, NULL, error)) return false;

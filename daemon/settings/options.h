@@ -54,12 +54,12 @@ struct options {
     char *launch_socket;         // NULL, or march-launch's, which starts the pools' launchers for the daemon
     const char *version;         // borrowed; set by the program: what a node's must be, too
     enum log_level log_level;
-    bool may_be_new;                // a new store may be made where a farm was before
-    char *backup_file;              // NULL, or where to copy the store to, instead of serving
-    char *restore_file;             // NULL, or a copy to put in place of the store, instead of serving
-    char *config_file;              // NULL, or the file whose settings were read
-    bool wants_check;               // only the settings are to be checked
-    bool wants_help, wants_version; // when true, nothing else is filled
+    bool may_be_new;                               // a new store may be made where a farm was before
+    char *backup_file;                             // NULL, or where to copy the store to, instead of serving
+    char *restore_file;                            // NULL, or a copy to put in place of the store, instead of serving
+    char *config_file;                             // NULL, or the file whose settings were read
+    bool wants_check;                              // only the settings are to be checked
+    bool wants_help, wants_version, wants_openrpc; // when one is true, nothing else is filled
 };
 
 // Called with each mistake of the command line, the environment and the file.

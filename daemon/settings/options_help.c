@@ -46,6 +46,7 @@ const char options_help[] =
     "  --new-store             make a new store where a farm was before: after the old one was lost for good\n"
     "  --backup FILE           copy the store to FILE and end, whether a daemon runs or not\n"
     "  --restore FILE          put such a copy in place of the store and end; no daemon may run\n"
+    "  --openrpc               print the methods that clients may call as an OpenRPC document, and end\n"
     "  --help, --version\n"
     "\n"
     "The command line overrides the environment (MARCHD_SOCKET for --socket), which overrides the file.\n"

@@ -33,6 +33,7 @@ $1/share/doc/marchd/README.md
 $1/share/doc/marchd/STYLE.md
 $1/share/fish/vendor_completions.d/march.fish
 $1/share/fish/vendor_completions.d/marchd.fish
+$1/share/marchd/openrpc.json
 $1/share/zsh/vendor-completions/_march
 $2/march-launch.service
 $2/march-launch.socket

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/job/frame_range.h"
+#include "daemon/farm/farm.h"
+#include "daemon/requests/methods.h"
+#include "daemon/requests/requests.h"
+#include "daemon/requests/shapes.h"
+#include "daemon/store/store_op.h"
+
+#include <stddef.h>
+
+static const struct member list_params[] = {
+    {"state", "string", .meaning = "job states; absent: all", .names = job_state_names, .is_optional = true,
+     .is_set = true},
+    {"ids", "integer[]", .meaning = "at most 1000 jobs, of which those that are known are told; absent: all", .min = 1,
+     .is_optional = true},
+    {0},
+};
+static const struct member list_result[] = {
+    {"jobs", "job[]", .meaning = "by their ids"},
+    {0},
+};
+
+static const struct member show_params[] = {
+    {"id", "integer", .meaning = "the job", .min = 1},
+    {0},
+};
+static const struct member show_result[] = {
+    {"document", "object?", .meaning = "as it was submitted; null: of somebody else's job"},
+    {0},
+};
+
+static const struct member frames_params[] = {
+    {"id", "integer", .meaning = "the job", .min = 1},
+    {"state", "string", .meaning = "frame states; absent: all", .names = frame_state_names, .is_optional = true,
+     .is_set = true},
+    {"range", "string", .meaning = "frames, as in 1-100x2,140; absent: all", .is_optional = true},
+    {"offset", "integer", .meaning = "so many are left out", .min = 0, .max = FRAME_COUNT_LIMIT, .fallback = "0",
+     .is_optional = true},
+    {"limit", "integer", .meaning = "so many are told", .min = 0, .max = 10000, .fallback = "1000",
+     .is_optional = true},
+    {0},
+};
+static const struct member frames_result[] = {
+    {"frames", "frame[]", .meaning = "in the job's order"},
+    {"total", "integer", .meaning = "how many there are without offset and limit"},
+    {0},
+};
+
+static const struct member log_params[] = {
+    {"id", "integer", .meaning = "the job", .min = 1},
+    {"frame", "integer", .meaning = "its number; absent: all", .min = 0, .max = FRAME_NUMBER_LIMIT - 1,
+     .is_optional = true},
+    {"limit", "integer", .meaning = "so many of the newest", .min = 1, .max = STORE_ATTEMPT_LIMIT, .fallback = "100",
+     .is_optional = true},
+    {0},
+};
+static const struct member log_result[] = {
+    {"attempts", "attempt[]", .meaning = "that ended without a file"},
+    {0},
+};
+
+const struct method methods_of_jobs[] = {
+    {"job.list", requests_job_list, "All jobs, or some.", .params = list_params, .result = list_result},
+    {"job.show", requests_job_show, "One job with its document.", .params = show_params, .result_shape = &shape_job,
+     .result = show_result},
+    {"job.frames", requests_job_frames, "Frames of a job.", .params = frames_params, .result = frames_result},
+    {"job.log", requests_job_log, "Attempts at a job's frames.", .params = log_params, .result = log_result},
+    {0},
+};
