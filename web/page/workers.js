@@ -1,0 +1,49 @@
+// Workers, by pool and node: which machine and renderer, what they do now, what was wrong last.
+import { el, table, facts, count, duration } from "./dom.js";
+
+const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", backing_off: "✗ backing off", stopping: "⊘ stopping", waiting: "Ⅱ waiting" };
+
+export class WorkersView {
+  constructor(farm) {
+    this.farm = farm;
+    this.title = "Workers";
+    this.root = el("section", { class: "text wide", "aria-label": "Workers" });
+    this.onChange = ({ detail }) => (detail.has("workers") || detail.has("status")) && this.draw();
+  }
+
+  show() {
+    this.farm.addEventListener("change", this.onChange);
+    this.draw();
+  }
+
+  hide() {
+    this.farm.removeEventListener("change", this.onChange);
+  }
+
+  draw() {
+    const { status } = this.farm, workers = [...this.farm.workers.values()].sort((a, b) => a.id - b.id);
+    const pools = Map.groupBy(workers, (worker) => worker.pool);
+    this.root.replaceChildren(el("h1", null, "Workers"), status ? facts([
+      ["Workers", `${count(status.workers)}, ${count(status.frames.running)} frames in work`],
+      ["Nodes", status.nodes.up + status.nodes.waiting ? `${status.nodes.up} up, ${status.nodes.waiting} waiting` : ""],
+      ["Frames", `${count(status.frames.queued)} queued`],
+      ["Daemon", `${status.version}, up for ${duration(Date.now() / 1000 - status.started)}, pid ${status.pid}`],
+      ["Output", status.output_roots.join(", ")],
+      ["Queue on disk", status.store.state],
+    ]) : "", ...[...pools].flatMap(([pool, members]) => [el("h2", null, `Pool ${pool}, ${count(members.length)}`), this.drawPool(pool, members)]),
+    workers.length ? "" : el("p", { class: "hint" }, "No workers are known."));
+  }
+
+  drawPool(pool, workers) {
+    return table(`Workers of pool ${pool}`, ["Worker", "Machine", "State", "Does", "Done", "Renderer", "Last fault"], workers.map((worker) => [
+      `${worker.id}`, worker.node ?? "this machine", el("span", { class: `state ${worker.state}` }, signs[worker.state] ?? worker.state),
+      worker.job ? el("a", { href: `#/jobs/${worker.job}` }, `job ${worker.job}${this.jobName(worker.job)}, ${worker.frames} in flight`) : "–",
+      count(worker.done), [worker.backend, worker.renderer, worker.sandbox && `(${worker.sandbox})`].filter(Boolean).join(" · ") || "–",
+      worker.reason ? el("span", { class: "wrong" }, `! ${worker.reason}`) : "–"]));
+  }
+
+  jobName(id) {
+    const job = this.farm.jobs.get(id);
+    return job ? ` ${job.name}` : "";
+  }
+}
