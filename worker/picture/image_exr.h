@@ -6,10 +6,12 @@
 #include "worker/picture/audit_result.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 struct error;
 struct image;
+struct json_writer;
 
 enum {
     IMAGE_EXR_PLAN_SIZE = 320,   // bytes of the text that says how a frame's method was chosen
@@ -102,3 +104,28 @@ struct frame_accuracy image_exr_accuracy(const struct image_exr_facts *facts);
 bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error);
 // Reads all pixels of such a file, keeps none, and finds whether every value of every channel is finite.
 bool image_exr_scan(int fd, bool *is_finite, int thread_count, struct error *error);
+
+enum { IMAGE_EXR_LINES_CHANNELS = 3 };
+
+// Some channels of a file, line by line from the top: a large picture is shrunk without being held whole.
+struct image_exr_lines {
+    int width_px, height_px; // that the file has; another size is an error
+    int first_row, row_count;
+    const char *channels[IMAGE_EXR_LINES_CHANNELS]; // borrowed; NULL: no more; those that the file lacks are 0
+    void (*on_line)(void *user, int row, const float *values); // a line of the first channel, then one of the second
+    void *user;
+};
+
+bool image_exr_read_lines(int fd, const struct image_exr_lines *lines, struct error *error);
+// Writes the header as one JSON object: size, compression, channels, and attributes by their names.
+bool image_exr_describe(int fd, struct json_writer *writer, struct error *error);
+
+// The names of a file's channels, in its order. The zero value is empty.
+struct image_exr_names {
+    char **names; // owned
+    size_t count;
+};
+
+bool image_exr_names_read(int fd, struct image_exr_names *names, struct error *error);
+void image_exr_names_finish(struct image_exr_names *names);
+bool image_exr_names_have(const struct image_exr_names *names, const char *name);

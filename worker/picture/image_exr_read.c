@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/picture/image_exr.h"
 
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr_attributes.h"
+#include "worker/picture/image_exr_json.h"
+#include "worker/picture/image_exr_source.h"
 #include "worker/picture/image_exr_zip.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
 #include <Imath/half.h>
 #include <OpenEXR/openexr.h>
-#include <errno.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum {
     THREAD_LIMIT = 64,
@@ -23,79 +22,17 @@ enum {
 };
 
 struct reader {
-    exr_context_t context;
-    int fd;
+    struct image_exr_source source;
     exr_attr_box2i_t window;
     int lines_per_chunk, line_count;
     uint64_t chunk_bytes; // unpacked, at most
 
     pthread_mutex_t lock; // guards all that follows
-    char message[256];    // the library's first error
     int next_line;
     bool is_spoilt; // a value that is not kept is not finite
     bool failed;
     struct error error; // the error of the first chunk that failed
 };
-
-static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t size, uint64_t offset,
-                       exr_stream_error_func_ptr_t report)
-{
-    struct reader *reader = user;
-    uint64_t done = 0;
-
-    while (done < size) {
-        ssize_t count = pread(reader->fd, (char *)bytes + done, size - done, (off_t)(offset + done));
-
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) return -1;
-        if (count == 0) break;
-        done += (uint64_t)count;
-    }
-    return (int64_t)done;
-}
-
-static int64_t on_query_size(exr_const_context_t context, void *user)
-{
-    const struct reader *reader = user;
-    struct stat status;
-
-    return fstat(reader->fd, &status) < 0 ? -1 : (int64_t)status.st_size;
-}
-
-// The first message names the cause; later ones only repeat that a call failed.
-static void on_library_error(exr_const_context_t context, exr_result_t code, const char *message)
-{
-    void *user = NULL;
-    struct reader *reader;
-
-    if (!context || exr_get_user_data(context, &user) || !user) return;
-    reader = user;
-    pthread_mutex_lock(&reader->lock);
-    if (!reader->message[0]) snprintf(reader->message, sizeof reader->message, "%s", message);
-    pthread_mutex_unlock(&reader->lock);
-}
-
-static bool fail(const struct reader *reader, exr_result_t result, struct error *error)
-{
-    error_set(error, "%s", reader->message[0] ? reader->message : exr_get_default_error_message(result));
-    return false;
-}
-
-static bool open_file(struct reader *reader, struct error *error)
-{
-    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    exr_result_t result;
-
-    initializer.error_handler_fn = on_library_error;
-    initializer.user_data = reader;
-    initializer.read_fn = on_read;
-    initializer.size_fn = on_query_size;
-    initializer.max_image_width = IMAGE_SIDE_LIMIT;
-    initializer.max_image_height = IMAGE_SIDE_LIMIT;
-    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    result = exr_start_read(&reader->context, "file", &initializer);
-    return result ? fail(reader, result, error) : true;
-}
 
 static bool check_channels(struct reader *reader, const exr_attr_chlist_t *channels, struct error *error)
 {
@@ -130,9 +67,9 @@ static bool has_channel(const exr_attr_chlist_t *channels, const char *name)
 static bool read_compression(struct reader *reader, enum job_compression *compression, struct error *error)
 {
     exr_compression_t found;
-    exr_result_t result = exr_get_compression(reader->context, 0, &found);
+    exr_result_t result = exr_get_compression(reader->source.context, 0, &found);
 
-    if (result) return fail(reader, result, error);
+    if (result) return image_exr_source_fail(&reader->source, result, error);
     switch (found) {
     case EXR_COMPRESSION_NONE:
         *compression = JOB_COMPRESSION_NONE;
@@ -159,18 +96,18 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
 {
     const exr_attr_chlist_t *channels;
     exr_storage_t storage;
-    exr_result_t result = exr_get_storage(reader->context, 0, &storage);
+    exr_result_t result = exr_get_storage(reader->source.context, 0, &storage);
 
-    if (result) return fail(reader, result, error);
+    if (result) return image_exr_source_fail(&reader->source, result, error);
     if (storage != EXR_STORAGE_SCANLINE) {
         error_set(error, "expected scanlines, got tiles or deep pixels");
         return false;
     }
-    result = exr_get_data_window(reader->context, 0, &reader->window);
-    if (!result) result = exr_get_channels(reader->context, 0, &channels);
-    if (!result) result = exr_get_scanlines_per_chunk(reader->context, 0, &reader->lines_per_chunk);
-    if (!result) result = exr_get_chunk_unpacked_size(reader->context, 0, &reader->chunk_bytes);
-    if (result) return fail(reader, result, error);
+    result = exr_get_data_window(reader->source.context, 0, &reader->window);
+    if (!result) result = exr_get_channels(reader->source.context, 0, &channels);
+    if (!result) result = exr_get_scanlines_per_chunk(reader->source.context, 0, &reader->lines_per_chunk);
+    if (!result) result = exr_get_chunk_unpacked_size(reader->source.context, 0, &reader->chunk_bytes);
+    if (result) return image_exr_source_fail(&reader->source, result, error);
     facts->width_px = (int)((int64_t)reader->window.max.x - reader->window.min.x + 1);
     facts->height_px = (int)((int64_t)reader->window.max.y - reader->window.min.y + 1);
     if (!check_channels(reader, channels, error)) return false;
@@ -183,7 +120,7 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
     facts->has_transmittance = has_channel(channels, "transmittance.R") && has_channel(channels, "transmittance.G") &&
                                has_channel(channels, "transmittance.B");
     facts->has_alpha = has_channel(channels, "A");
-    image_exr_attributes_read(reader->context, facts);
+    image_exr_attributes_read(reader->source.context, facts);
     return true;
 }
 
@@ -224,7 +161,9 @@ static void unpack_values(float *values, size_t stride, const char *packed, size
 struct decoder {
     exr_decode_pipeline_t pipeline;
     struct reader *reader;
-    const struct image *image;                           // NULL: values are checked and not kept
+    const struct image *image;                           // NULL: values are not kept
+    const struct image_exr_lines *lines;                 // NULL: nobody asks for lines; else `image` is, too
+    float *values;                                       // borrowed; of the line that is unpacked
     struct image_exr_zip *zip;                           // owned; NULL until something is unpacked
     exr_result_t (*decompress)(exr_decode_pipeline_t *); // the library's
     bool is_spoilt;                                      // a value was not finite
@@ -278,12 +217,31 @@ static bool has_spoilt(const char *packed, size_t count, uint16_t type)
     return worst_half == 0x7c00 || worst == 0x7f800000;
 }
 
+static void take_wanted(struct decoder *decoder, const exr_coding_channel_info_t *channel, size_t width,
+                        const char *packed)
+{
+    const struct image_exr_lines *lines = decoder->lines;
+
+    for (size_t i = 0; i < IMAGE_EXR_LINES_CHANNELS && lines->channels[i]; i++)
+        if (!strcmp(lines->channels[i], channel->channel_name))
+            unpack_values(decoder->values + i * width, 1, packed, width, channel->data_type);
+}
+
+static bool is_wanted(const struct image_exr_lines *lines, size_t y)
+{
+    return y >= (size_t)lines->first_row && y < (size_t)lines->first_row + (size_t)lines->row_count;
+}
+
 static void take_line(struct decoder *decoder, const exr_coding_channel_info_t *channel, size_t y, size_t width,
                       const char *packed)
 {
     size_t stride;
     float *plane;
 
+    if (decoder->lines) {
+        take_wanted(decoder, channel, width, packed);
+        return;
+    }
     if (!decoder->image) {
         decoder->is_spoilt |= has_spoilt(packed, width, channel->data_type);
         return;
@@ -314,6 +272,8 @@ static exr_result_t on_unpack(exr_decode_pipeline_t *pipeline)
             take_line(decoder, channel, y, width, packed);
             packed += width * (size_t)channel->bytes_per_element;
         }
+        if (decoder->lines && is_wanted(decoder->lines, y))
+            decoder->lines->on_line(decoder->lines->user, (int)y, decoder->values);
     }
     return EXR_ERR_SUCCESS;
 }
@@ -323,36 +283,38 @@ static exr_result_t read_chunk(struct decoder *decoder, int y)
     struct reader *reader = decoder->reader;
     exr_decode_pipeline_t *pipeline = &decoder->pipeline;
     exr_chunk_info_t chunk;
-    exr_result_t result = exr_read_scanline_chunk_info(reader->context, 0, y, &chunk);
+    exr_result_t result = exr_read_scanline_chunk_info(reader->source.context, 0, y, &chunk);
 
     if (result) return result;
     // An uncompressed chunk is used as it was read, so all its bytes must be there.
     if (chunk.compression == EXR_COMPRESSION_NONE && chunk.packed_size != chunk.unpacked_size)
         return EXR_ERR_CORRUPT_CHUNK;
     if (pipeline->context) {
-        result = exr_decoding_update(reader->context, 0, &chunk, pipeline);
+        result = exr_decoding_update(reader->source.context, 0, &chunk, pipeline);
     } else {
-        result = exr_decoding_initialize(reader->context, 0, &chunk, pipeline);
-        if (!result) result = exr_decoding_choose_default_routines(reader->context, 0, pipeline);
+        result = exr_decoding_initialize(reader->source.context, 0, &chunk, pipeline);
+        if (!result) result = exr_decoding_choose_default_routines(reader->source.context, 0, pipeline);
         pipeline->decoding_user_data = decoder;
         pipeline->unpack_and_convert_fn = on_unpack;
         decoder->decompress = pipeline->decompress_fn;
         if (chunk.compression == EXR_COMPRESSION_ZIP || chunk.compression == EXR_COMPRESSION_ZIPS)
             pipeline->decompress_fn = on_decompress;
     }
-    return result ? result : exr_decoding_run(reader->context, 0, pipeline);
+    return result ? result : exr_decoding_run(reader->source.context, 0, pipeline);
 }
 
 struct chunk_task {
     struct reader *reader;
     const struct image *image;
+    const struct image_exr_lines *lines;
+    float *values; // as in struct decoder
 };
 
 static void *read_chunks(void *user)
 {
     const struct chunk_task *task = user;
     struct reader *reader = task->reader;
-    struct decoder decoder = {.reader = reader, .image = task->image};
+    struct decoder decoder = {.reader = reader, .image = task->image, .lines = task->lines, .values = task->values};
 
     pthread_mutex_lock(&reader->lock);
     while (!reader->failed && reader->next_line < reader->line_count) {
@@ -365,12 +327,12 @@ static void *read_chunks(void *user)
         pthread_mutex_lock(&reader->lock);
         if (!result || reader->failed) continue;
         reader->failed = true;
-        fail(reader, result, &reader->error);
+        image_exr_source_fail(&reader->source, result, &reader->error);
         error_prefix(&reader->error, "line %d", line);
     }
     if (decoder.is_spoilt) reader->is_spoilt = true;
     pthread_mutex_unlock(&reader->lock);
-    if (decoder.pipeline.context) exr_decoding_destroy(reader->context, &decoder.pipeline);
+    if (decoder.pipeline.context) exr_decoding_destroy(reader->source.context, &decoder.pipeline);
     image_exr_zip_destroy(decoder.zip);
     return NULL;
 }
@@ -378,7 +340,7 @@ static void *read_chunks(void *user)
 // `image` is that of struct decoder.
 static void read_all_chunks(struct reader *reader, const struct image *image, int thread_count)
 {
-    struct chunk_task task = {reader, image};
+    struct chunk_task task = {.reader = reader, .image = image};
     pthread_t threads[THREAD_LIMIT];
     int started = 0;
 
@@ -408,15 +370,15 @@ static bool read_pixels(struct reader *reader, const struct image_exr_facts *fac
 
 bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error)
 {
-    struct reader reader = {.fd = fd};
+    struct reader reader = {0};
     struct image_exr_facts found = {0};
     bool ok;
 
     pthread_mutex_init(&reader.lock, NULL);
     if (image) *image = (struct image){0};
-    ok = open_file(&reader, error) && read_header(&reader, &found, error) &&
+    ok = image_exr_source_open(&reader.source, fd, error) && read_header(&reader, &found, error) &&
          (!image || read_pixels(&reader, &found, image, thread_count, error));
-    exr_finish(&reader.context);
+    image_exr_source_close(&reader.source);
     pthread_mutex_destroy(&reader.lock);
     if (ok && facts) *facts = found;
     return ok;
@@ -424,19 +386,104 @@ bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, 
 
 bool image_exr_scan(int fd, bool *is_finite, int thread_count, struct error *error)
 {
-    struct reader reader = {.fd = fd};
+    struct reader reader = {0};
     struct image_exr_facts facts = {0};
     bool ok;
 
     pthread_mutex_init(&reader.lock, NULL);
-    ok = open_file(&reader, error) && read_header(&reader, &facts, error);
+    ok = image_exr_source_open(&reader.source, fd, error) && read_header(&reader, &facts, error);
     if (ok) {
         read_all_chunks(&reader, NULL, thread_count);
         ok = !reader.failed;
         if (!ok) error_set(error, "%s", reader.error.message);
     }
     *is_finite = ok && !reader.is_spoilt;
-    exr_finish(&reader.context);
+    image_exr_source_close(&reader.source);
     pthread_mutex_destroy(&reader.lock);
     return ok;
+}
+
+static bool read_lines(struct reader *reader, const struct image_exr_facts *facts, const struct image_exr_lines *lines,
+                       struct error *error)
+{
+    struct chunk_task task = {.reader = reader, .lines = lines};
+
+    if (lines->width_px < 1 || facts->width_px != lines->width_px || facts->height_px != lines->height_px) {
+        error_set(error, "it changed while it was read");
+        return false;
+    }
+    task.values = calloc((size_t)lines->width_px * IMAGE_EXR_LINES_CHANNELS, sizeof *task.values);
+    if (!task.values) {
+        error_set(error, "no memory for a line of %d pixels", lines->width_px);
+        return false;
+    }
+    reader->next_line = lines->first_row - lines->first_row % reader->lines_per_chunk;
+    reader->line_count = lines->first_row + lines->row_count;
+    read_chunks(&task);
+    free(task.values);
+    if (reader->failed) error_set(error, "%s", reader->error.message);
+    return !reader->failed;
+}
+
+bool image_exr_read_lines(int fd, const struct image_exr_lines *lines, struct error *error)
+{
+    struct reader reader = {0};
+    struct image_exr_facts facts = {0};
+    bool ok;
+
+    pthread_mutex_init(&reader.lock, NULL);
+    ok = image_exr_source_open(&reader.source, fd, error) && read_header(&reader, &facts, error) &&
+         read_lines(&reader, &facts, lines, error);
+    image_exr_source_close(&reader.source);
+    pthread_mutex_destroy(&reader.lock);
+    return ok;
+}
+
+bool image_exr_describe(int fd, struct json_writer *writer, struct error *error)
+{
+    struct reader reader = {0};
+    struct image_exr_facts facts = {0};
+    bool ok;
+
+    pthread_mutex_init(&reader.lock, NULL);
+    ok = image_exr_source_open(&reader.source, fd, error) && read_header(&reader, &facts, error);
+    if (ok) image_exr_json_write(reader.source.context, &facts, writer);
+    image_exr_source_close(&reader.source);
+    pthread_mutex_destroy(&reader.lock);
+    return ok;
+}
+
+bool image_exr_names_read(int fd, struct image_exr_names *names, struct error *error)
+{
+    struct reader reader = {0};
+    struct image_exr_facts facts = {0};
+    const exr_attr_chlist_t *channels;
+    bool ok;
+
+    *names = (struct image_exr_names){0};
+    pthread_mutex_init(&reader.lock, NULL);
+    ok = image_exr_source_open(&reader.source, fd, error) && read_header(&reader, &facts, error);
+    if (ok && !exr_get_channels(reader.source.context, 0, &channels)) {
+        names->names = xcalloc((size_t)channels->num_channels, sizeof *names->names);
+        for (int i = 0; i < channels->num_channels; i++)
+            names->names[names->count++] = xstrdup(channels->entries[i].name.str);
+    }
+    image_exr_source_close(&reader.source);
+    pthread_mutex_destroy(&reader.lock);
+    return ok;
+}
+
+void image_exr_names_finish(struct image_exr_names *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        free(names->names[i]);
+    free(names->names);
+    *names = (struct image_exr_names){0};
+}
+
+bool image_exr_names_have(const struct image_exr_names *names, const char *name)
+{
+    for (size_t i = 0; i < names->count; i++)
+        if (!strcmp(names->names[i], name)) return true;
+    return false;
 }
