@@ -9,7 +9,11 @@
 #include "core/json/json_read.h"
 #include "worker/plan/draft.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 struct request *request_create(struct message *message)
 {
@@ -55,4 +59,19 @@ bool request_check_renderer(const struct request_tools *tools, struct error *err
     if (tools->renderer) return true;
     error_set(error, "the worker has no GL context: it was started with --backend none");
     return false;
+}
+
+int request_open_file(const char *path, int flags, struct error *error)
+{
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);
+    struct stat status;
+
+    if (fd < 0) {
+        error_set_errno(error, errno, "it cannot be opened");
+        return -1;
+    }
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode)) return fd;
+    error_set(error, "it is no regular file");
+    close(fd);
+    return -1;
 }

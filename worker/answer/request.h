@@ -43,3 +43,6 @@ typedef bool request_function(const struct json_node *params, const struct reque
 bool request_read_job(const struct json_node *params, struct job *job, struct error *error);
 // False, with `error`, when there is no renderer.
 bool request_check_renderer(const struct request_tools *tools, struct error *error);
+// Opens a regular file for reading, -1 on failure: reading a pipe would block, and a folder has no bytes. `flags` are
+// further ones of open(2).
+int request_open_file(const char *path, int flags, struct error *error);

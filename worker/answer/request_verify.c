@@ -11,10 +11,7 @@
 #include "worker/picture/image_exr.h"
 #include "worker/scene/scene_inputs.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { FILE_LIMIT = 1000 };
@@ -24,22 +21,6 @@ struct verification {
     struct scene_files files;
     double tolerance; // replaces the job's and the header's; 0: neither is replaced
 };
-
-// Opens regular files only: reading a pipe would block, and a folder has no bytes.
-static int open_regular(const char *path, struct error *error)
-{
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    struct stat status;
-
-    if (fd < 0) {
-        error_set_errno(error, errno, "it cannot be opened");
-        return -1;
-    }
-    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode)) return fd;
-    error_set(error, "it is no regular file");
-    close(fd);
-    return -1;
-}
 
 static bool check_against_job(const struct verification *verification, int fd, int32_t frame,
                               struct image_exr_facts *facts, struct error *error)
@@ -94,7 +75,7 @@ static void write_file(const struct verification *verification, const char *path
 {
     struct image_exr_facts facts = {0};
     struct error error = {0};
-    int fd = open_regular(path, &error);
+    int fd = request_open_file(path, 0, &error);
     bool ok = fd >= 0 && (verification->job ? check_against_job(verification, fd, frame, &facts, &error)
                                             : check_alone(verification, fd, &facts, &error));
 

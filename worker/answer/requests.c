@@ -9,6 +9,7 @@
 #include "worker/answer/measure_requests.h"
 #include "worker/answer/plan_answer.h"
 #include "worker/answer/request.h"
+#include "worker/answer/request_picture.h"
 #include "worker/answer/request_verify.h"
 #include "worker/answer/unseen.h"
 #include "worker/plan/draft.h"
@@ -210,6 +211,8 @@ static const struct {
     {"worker.explain", answer_explain},
     {"worker.preview", answer_preview},
     {"worker.frames_png", answer_frames_png},
+    {"worker.picture", request_answer_picture},
+    {"worker.header", request_answer_header},
     {"worker.reach", measure_answer_reach},
     {"worker.truth", measure_answer_truth},
     {"worker.measure", measure_answer_setting},

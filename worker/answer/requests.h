@@ -1,4 +1,4 @@
-// Which function answers which method: explain, plan, preview, frames_png, verify, and what a chart is made from.
+// Which function answers which method: explain, plan, preview, frames_png, picture, header, verify, a chart's.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -11,23 +11,33 @@ static const double PERCENTILE = 0.99, TARGET = 0.8;
 // The bins are the upper bits of a float: sign, exponent and the start of the mantissa.
 enum { DROPPED_BITS = 16 };
 
+void exposure_add(struct exposure *exposure, float luminance)
+{
+    uint32_t bits;
+
+    if (!isfinite(luminance)) return;
+    if (luminance <= 0) {
+        exposure->dark++;
+        return;
+    }
+    memcpy(&bits, &luminance, sizeof bits);
+    exposure->counts[bits >> DROPPED_BITS]++;
+    exposure->lit++;
+}
+
+float exposure_luminance(float red, float green, float blue)
+{
+    return 0.2126f * red + 0.7152f * green + 0.0722f * blue;
+}
+
 void exposure_add_image(struct exposure *exposure, const struct image *image)
 {
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
 
     for (size_t i = 0; i < count; i++) {
         const float *pixel = image->rgba + i * 4;
-        float luminance = 0.2126f * pixel[0] + 0.7152f * pixel[1] + 0.0722f * pixel[2];
-        uint32_t bits;
 
-        if (!isfinite(luminance)) continue;
-        if (luminance <= 0) {
-            exposure->dark++;
-            continue;
-        }
-        memcpy(&bits, &luminance, sizeof bits);
-        exposure->counts[bits >> DROPPED_BITS]++;
-        exposure->lit++;
+        exposure_add(exposure, exposure_luminance(pixel[0], pixel[1], pixel[2]));
     }
 }
 

@@ -13,6 +13,8 @@ struct exposure {
     uint64_t lit;
 };
 
+void exposure_add(struct exposure *exposure, float luminance); // one that is not finite is left out
+float exposure_luminance(float red, float green, float blue);
 void exposure_add_image(struct exposure *exposure, const struct image *image);
 // Returns the stops that bring the 99th percentile of the luminance to 0.8: the percentile of all pixels or, where that
 // is black, of those that are not. 0 when every pixel is black.
