@@ -13,10 +13,20 @@ static const struct member list_params[] = {
      .is_set = true},
     {"ids", "integer[]", .meaning = "at most 1000 jobs, of which those that are known are told; absent: all", .min = 1,
      .is_optional = true},
+    {"owner", "string", .meaning = "a user's name; absent: of all", .is_optional = true},
+    {"name", "string", .meaning = "a part of the job's name, in capitals or not; absent: any", .is_optional = true},
+    {"since", "number", .meaning = "submitted at or after it (unix seconds)", .is_optional = true},
+    {"before", "number", .meaning = "submitted before it (unix seconds)", .is_optional = true},
+    {"order", "string", .meaning = "-id: the newest first", .names = job_list_orders, .fallback = "\"id\"",
+     .is_optional = true},
+    {"cursor", "string", .meaning = "the page behind the one whose `next` this is", .is_optional = true},
+    {"limit", "integer", .meaning = "so many are told; absent: all", .min = 1, .max = 1000, .is_optional = true},
     {0},
 };
 static const struct member list_result[] = {
     {"jobs", "job[]", .meaning = "by their ids"},
+    {"next", "string?", .meaning = "the cursor of the next page; null: there is none"},
+    {"total", "integer", .meaning = "how many there are on all pages"},
     {0},
 };
 
@@ -34,6 +44,8 @@ static const struct member frames_params[] = {
     {"state", "string", .meaning = "frame states; absent: all", .names = frame_state_names, .is_optional = true,
      .is_set = true},
     {"range", "string", .meaning = "frames, as in 1-100x2,140; absent: all", .is_optional = true},
+    {"cursor", "string", .meaning = "the page behind the one whose `next` this is, in place of offset",
+     .is_optional = true},
     {"offset", "integer", .meaning = "so many are left out", .min = 0, .max = FRAME_COUNT_LIMIT, .fallback = "0",
      .is_optional = true},
     {"limit", "integer", .meaning = "so many are told", .min = 0, .max = 10000, .fallback = "1000",
@@ -42,7 +54,28 @@ static const struct member frames_params[] = {
 };
 static const struct member frames_result[] = {
     {"frames", "frame[]", .meaning = "in the job's order"},
+    {"next", "string?", .meaning = "the cursor of the next page; null: there is none"},
     {"total", "integer", .meaning = "how many there are without offset and limit"},
+    {0},
+};
+
+static const struct member map_params[] = {
+    {"id", "integer", .meaning = "the job", .min = 1},
+    {"offset", "integer", .meaning = "so many are left out", .min = 0, .max = FRAME_COUNT_LIMIT, .fallback = "0",
+     .is_optional = true},
+    {"limit", "integer", .meaning = "so many are told", .min = 1, .max = 50000, .fallback = "50000",
+     .is_optional = true},
+    {0},
+};
+static const struct member map_result[] = {
+    {"frames", "string", .meaning = "all frames of the job, as in 1-100x2,140"},
+    {"total", "integer", .meaning = "how many they are"},
+    {"offset", "integer", .meaning = "how many of them come before the first that is told"},
+    {"states", "string",
+     .meaning = "a letter a frame: q(ueued), r(unning), s(ucceeded), f(ailed), c(anceled), k: "
+                "skipped, m(issed the tolerance)"},
+    {"seconds", "number?[]", .meaning = "of rendering, audit and encoding of each frame that was rendered"},
+    {"errors", "number?[]", .meaning = "measured error of each frame that has a file"},
     {0},
 };
 
@@ -64,6 +97,8 @@ const struct method methods_of_jobs[] = {
     {"job.show", requests_job_show, "One job with its document.", .params = show_params, .result_shape = &shape_job,
      .result = show_result},
     {"job.frames", requests_job_frames, "Frames of a job.", .params = frames_params, .result = frames_result},
+    {"job.frame_map", requests_job_frame_map, "The state of each frame of a job in short.", .params = map_params,
+     .result = map_result},
     {"job.log", requests_job_log, "Attempts at a job's frames.", .params = log_params, .result = log_result},
     {0},
 };

@@ -101,6 +101,16 @@ bool request_read_flag(struct request *request, const char *key, bool *flag)
     return json_node_is_absent(&node) || json_read_bool(&node, flag, &request->error);
 }
 
+bool request_read_count(struct request *request, const char *key, int64_t min, int64_t max, int64_t fallback,
+                        int64_t *count)
+{
+    struct json_node node = json_node_child(&request->params, key);
+
+    *count = fallback;
+    request->code = MESSAGE_CODE_PARAMS;
+    return json_node_is_absent(&node) || json_read_integer(&node, min, max, count, &request->error);
+}
+
 bool request_read_range(struct request *request, const char **text)
 {
     struct json_node node = json_node_child(&request->params, "range");

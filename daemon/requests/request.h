@@ -49,6 +49,8 @@ bool request_read_set(struct request *request, const char *key, const char *cons
 
 // Read a parameter; absent: `*flag` is not changed. False with code and error filled.
 bool request_read_flag(struct request *request, const char *key, bool *flag);
+bool request_read_count(struct request *request, const char *key, int64_t min, int64_t max, int64_t fallback,
+                        int64_t *count); // absent: `fallback`
 // The text of a range, which is not looked at yet; borrowed from the message. NULL: absent.
 bool request_read_range(struct request *request, const char **text);
 

@@ -10,6 +10,8 @@ struct message;
 
 void requests_handle(struct farm *farm, struct client *client, struct message *message);
 
+extern const char *const job_list_orders[]; // of job.list; end in NULL
+
 // The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);
 enum request_outcome requests_daemon_drain(struct request *request);
@@ -20,6 +22,7 @@ enum request_outcome requests_events_subscribe(struct request *request);
 enum request_outcome requests_job_list(struct request *request);
 enum request_outcome requests_job_show(struct request *request);
 enum request_outcome requests_job_frames(struct request *request);
+enum request_outcome requests_job_frame_map(struct request *request);
 enum request_outcome requests_job_log(struct request *request);
 enum request_outcome requests_job_submit(struct request *request);
 enum request_outcome requests_job_pause(struct request *request);

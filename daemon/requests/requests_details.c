@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/job/output_path.h"
+#include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
@@ -10,6 +11,7 @@
 #include "daemon/jobs/job_view.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/work_desk.h"
+#include "daemon/requests/cursor.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
@@ -33,7 +35,8 @@ struct listed_frame {
 
 struct frames_filter {
     unsigned states;
-    char *range; // owned; NULL: all frames
+    char *range;  // owned; NULL: all frames
+    int64_t from; // an index: frames before it are on earlier pages
     int64_t offset, limit;
 };
 
@@ -51,6 +54,7 @@ struct details_task {
     struct listed_frame *frames; // owned; by ascending index
     size_t frame_count, next;    // next: the first that is not written
     int64_t total;
+    bool has_more;       // frames than the page holds
     int32_t attempts_of; // a frame; -1: all
     int limit;
     struct json_writer value;
@@ -114,13 +118,17 @@ static void on_details_done(struct work_piece *piece, bool was_run)
     free(task);
 }
 
-static bool read_count(struct request *request, const char *key, int64_t min, int64_t max, int64_t fallback,
-                       int64_t *count)
+static bool read_cursor(struct request *request, int64_t *from)
 {
-    struct json_node node = json_node_child(&request->params, key);
+    struct json_node node = json_node_child(&request->params, "cursor"),
+                     offset = json_node_child(&request->params, "offset");
+    const char *text;
 
-    *count = fallback;
-    return json_node_is_absent(&node) || json_read_integer(&node, min, max, count, &request->error);
+    if (json_node_is_absent(&node)) return true;
+    if (!json_node_is_absent(&offset)) return json_fail(&offset, &request->error, "expected none beside \"cursor\"");
+    if (!json_read_string(&node, &text, &request->error)) return false;
+    return cursor_parse(text, CURSOR_FRAMES, from) ||
+           json_fail_expected(&node, &request->error, "\"next\" of a job.frames");
 }
 
 static bool read_filter(struct request *request, struct frames_filter *filter)
@@ -131,8 +139,9 @@ static bool read_filter(struct request *request, struct frames_filter *filter)
     if (!request_read_range(request, &range)) return false;
     filter->range = range ? xstrdup(range) : NULL;
     return request_read_set(request, "state", frame_state_names, ~0U, &filter->states) &&
-           read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset) &&
-           read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit);
+           read_cursor(request, &filter->from) &&
+           request_read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset) &&
+           request_read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit);
 }
 
 static void note_worker(const struct worker_pool *pool, const struct details_task *task, struct listed_frame *listed)
@@ -152,11 +161,15 @@ static void note_worker(const struct worker_pool *pool, const struct details_tas
 static void list_frame(struct details_task *task, int32_t index)
 {
     const struct queue_job *queued = task->record->queued;
-    const struct queue_frame known = frame_states_at(&queued->states, index);
-    int32_t frame = frame_range_at(&queued->frames, index);
+    struct queue_frame known;
+    int32_t frame;
 
-    if (task->filter.range && !frame_set_has(&task->numbers, frame)) return;
-    if (task->total++ < task->filter.offset || (int64_t)task->frame_count >= task->filter.limit) return;
+    if (task->filter.range && !frame_set_has(&task->numbers, frame_range_at(&queued->frames, index))) return;
+    if (task->total++ < task->filter.offset || index < task->filter.from) return;
+    task->has_more = (int64_t)task->frame_count == task->filter.limit;
+    if (task->has_more) return;
+    known = frame_states_at(&queued->states, index);
+    frame = frame_range_at(&queued->frames, index);
     task->frames = xgrow(task->frames, &task->frame_capacity, task->frame_count + 1, sizeof task->frames[0]);
     task->frames[task->frame_count++] = (struct listed_frame){.index = index,
                                                               .frame = frame,
@@ -324,6 +337,14 @@ static bool write_frames(struct details_task *task, struct store_reader *reader)
     return true;
 }
 
+static void write_next(struct details_task *task)
+{
+    char next[CURSOR_TEXT_SIZE];
+
+    if (task->frame_count > 0) cursor_format(next, CURSOR_FRAMES, task->frames[task->frame_count - 1].index + 1);
+    json_write_string_member(&task->value, "next", task->has_more && task->frame_count > 0 ? next : NULL);
+}
+
 static void on_frames_run(struct work_piece *piece)
 {
     struct details_task *task = (struct details_task *)piece;
@@ -335,6 +356,7 @@ static void on_frames_run(struct work_piece *piece)
     json_write_begin_array(&task->value);
     task->ok = write_frames(task, reader);
     json_write_end_array(&task->value);
+    write_next(task);
     json_write_integer_member(&task->value, "total", task->total);
     json_write_end_object(&task->value);
     store_reader_close(reader);
@@ -348,8 +370,8 @@ enum request_outcome requests_job_log(struct request *request)
 
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_PARAMS;
-    if (!read_count(request, "frame", 0, FRAME_NUMBER_LIMIT - 1, -1, &frame) ||
-        !read_count(request, "limit", 1, STORE_ATTEMPT_LIMIT, ATTEMPTS_DEFAULT, &limit))
+    if (!request_read_count(request, "frame", 0, FRAME_NUMBER_LIMIT - 1, -1, &frame) ||
+        !request_read_count(request, "limit", 1, STORE_ATTEMPT_LIMIT, ATTEMPTS_DEFAULT, &limit))
         return REQUEST_FAILED;
     task = create_task(request, record);
     task->attempts_of = (int32_t)frame;

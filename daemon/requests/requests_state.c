@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/requests/requests.h"
 
-#include "core/base/alloc.h"
 #include "core/json/json_write.h"
-#include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/events.h"
@@ -17,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { IDS_LIMIT = 1000, JOBS_OF_A_STEP = 4 };
 
 static void write_job_counts(const struct farm *farm, struct json_writer *writer)
 {
@@ -182,87 +178,6 @@ enum request_outcome requests_events_subscribe(struct request *request)
     json_write_begin_object(request->result);
     json_write_end_object(request->result);
     return REQUEST_ANSWERED;
-}
-
-static bool write_listed(struct request *request, const struct json_node *ids, unsigned states)
-{
-    const struct farm *farm = request->farm;
-    struct json_node node = {0};
-
-    if (!json_check_array(ids, 0, IDS_LIMIT, &request->error)) return false;
-    while (json_node_next(ids, &node)) {
-        struct job_record *record;
-        int64_t id;
-
-        if (!json_read_integer(&node, 1, INT64_MAX, &id, &request->error)) return false;
-        record = job_table_find(&farm->jobs, id);
-        if (record && states & 1U << queue_job_state(record->queued)) job_view_write(farm, record, request->result);
-    }
-    return true;
-}
-
-// A list that is written a few jobs at a step.
-struct job_list {
-    struct loop_task task;
-    const struct farm *farm; // borrowed; outlives us
-    struct answer *answer;   // owned
-    unsigned states;
-    int64_t next_id, last_id; // of jobs that are not written yet
-    struct json_writer value;
-};
-
-static bool on_list_step(struct loop_task *task)
-{
-    struct job_list *list = (struct job_list *)task;
-    const struct job_table *jobs = &list->farm->jobs;
-    size_t i = job_table_first_from(jobs, list->next_id);
-
-    for (int count = 0; count < JOBS_OF_A_STEP && i < jobs->count && jobs->records[i]->id <= list->last_id; i++) {
-        struct job_record *record = jobs->records[i];
-
-        list->next_id = record->id + 1;
-        if (!(list->states & 1U << queue_job_state(record->queued))) continue;
-        job_view_write(list->farm, record, &list->value);
-        count++;
-    }
-    if (i < jobs->count && jobs->records[i]->id <= list->last_id) return true;
-    json_write_end_array(&list->value);
-    json_write_end_object(&list->value);
-    answer_send_result(list->answer, &list->value);
-    json_writer_finish(&list->value);
-    free(list);
-    return false;
-}
-
-enum request_outcome requests_job_list(struct request *request)
-{
-    const struct job_table *jobs = &request->farm->jobs;
-    struct json_node ids = json_node_child(&request->params, "ids");
-    struct job_list *list;
-    unsigned states;
-
-    request->code = MESSAGE_CODE_PARAMS;
-    if (!request_read_set(request, "state", job_state_names, ~0U, &states)) return REQUEST_FAILED;
-    if (!json_node_is_absent(&ids)) {
-        json_write_begin_object(request->result);
-        json_write_key(request->result, "jobs");
-        json_write_begin_array(request->result);
-        if (!write_listed(request, &ids, states)) return REQUEST_FAILED;
-        json_write_end_array(request->result);
-        json_write_end_object(request->result);
-        return REQUEST_ANSWERED;
-    }
-    list = xcalloc(1, sizeof *list);
-    list->task.step = on_list_step;
-    list->farm = request->farm;
-    list->answer = request_defer_answer(request, true);
-    list->states = states;
-    list->last_id = jobs->count > 0 ? jobs->records[jobs->count - 1]->id : 0;
-    json_write_begin_object(&list->value);
-    json_write_key(&list->value, "jobs");
-    json_write_begin_array(&list->value);
-    loop_turns_put(request->farm->turns, &list->task);
-    return REQUEST_DEFERRED;
 }
 
 enum request_outcome requests_job_show(struct request *request)

@@ -39,6 +39,11 @@ bool frame_states_is_forced(const struct frame_states *states, int64_t index)
     return states->bits[index] & FORCED;
 }
 
+bool frame_states_is_missed(const struct frame_states *states, int64_t index)
+{
+    return states->bits[index] & MISSED;
+}
+
 struct queue_frame frame_states_at(const struct frame_states *states, int64_t index)
 {
     const struct frame_attempts *attempts = &states->attempts[index];

@@ -44,6 +44,7 @@ static inline enum frame_state frame_states_get(const struct frame_states *state
 }
 
 bool frame_states_is_forced(const struct frame_states *states, int64_t index);
+bool frame_states_is_missed(const struct frame_states *states, int64_t index); // as in struct queue_frame
 struct queue_frame frame_states_at(const struct frame_states *states, int64_t index);
 void frame_states_set(struct frame_states *states, int64_t index, enum frame_state state);
 void frame_states_set_attempt(struct frame_states *states, int64_t index, int32_t attempt);      // all of them count

@@ -35,6 +35,8 @@ counts_of()
 }
 expect "the job" "$(counts_of)" '[2,0,2,"2 of its frames missed the tolerance"]'
 expect "its frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.missed, .measured_error > 0.05]]')" '[[true,true],[true,true]]'
+expect "the map of its frames" "$(ask job.frame_map "{\"id\":$id}" | jq -c '.result | [.states, (.errors[] > 0.05), (.seconds[] > 0)]')" \
+    '["mm",true,true,true,true]'
 "$bin/march" list --socket "$socket" | grep -q "MISSED" || fail "the titles of march list"
 "$bin/march" show "$id" --socket "$socket" | grep -q "2 succeeded, 2 over the tolerance" || fail "march show"
 stop_daemon

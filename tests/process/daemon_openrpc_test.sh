@@ -20,6 +20,9 @@ ask()
 look()
 {
     ask job.list "{\"ids\":[$1]}" >/dev/null
+    ask job.list '{"limit":1}' >/dev/null
+    ask job.frame_map "{\"id\":$1}" >/dev/null
+    ask job.frames "{\"id\":$1,\"limit\":1}" >/dev/null
     ask job.show "{\"id\":$1}" >/dev/null
     ask job.frames "{\"id\":$1}" >/dev/null
     ask job.log "{\"id\":$1}" >/dev/null
