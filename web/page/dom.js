@@ -87,6 +87,29 @@ export function time(unixSeconds) {
   return text.slice(text.startsWith(`${new Date().getFullYear()}-`) ? 5 : 0, 16);
 }
 
+// What listens until it is hidden.
+export class View {
+  stop = new AbortController();
+
+  on(target, type, listener) {
+    target.addEventListener(type, listener, { signal: this.stop.signal });
+  }
+
+  get isHidden() {
+    return this.stop.signal.aborted;
+  }
+
+  hide() {
+    this.stop.abort();
+  }
+
+  watchSize(element, draw) {
+    const observer = new ResizeObserver(draw);
+    observer.observe(element);
+    this.stop.signal.addEventListener("abort", () => observer.disconnect());
+  }
+}
+
 // A list of names and values.
 export function facts(rows) {
   return el("dl", { class: "facts" },

@@ -92,7 +92,7 @@ export class FrameMap extends EventTarget {
     for (const frame of frames) {
       const index = this.indexOf.get(frame.frame);
       this.states[index] = frame.missed ? codeOf.missed : codeOf[frame.state] ?? 0;
-      this.seconds[index] = frame.render_s ?? NaN;
+      this.seconds[index] = frame.render_s === null ? NaN : frame.render_s + frame.audit_s + frame.encode_s;
       this.errors[index] = frame.measured_error ?? NaN;
       this.bounds[index] = frame.error95 ?? NaN;
     }

@@ -1,5 +1,5 @@
 // A job's frames as a canvas of cells, coloured by state, error or time. Its keys and its tell line are for all.
-import { el, states, count, duration, percent } from "./dom.js";
+import { View, el, states, count, duration, percent } from "./dom.js";
 import { codes } from "./framemap.js";
 
 const LEAST_PX = 3, MOST_PX = 26, SIGN_PX = 13, DRAW_MS = 100;
@@ -19,13 +19,16 @@ function styleColour(element, name) {
   return getComputedStyle(element).color.match(/[\d.]+/g).slice(0, 3).map(Number);
 }
 
-export class FrameGrid {
+export class FrameGrid extends View {
+  static kept = new Map(); // job -> index of the frame at which one was
+
   constructor(map, job, open) {
+    super();
     this.map = map;
     this.job = job; // () -> the job as it is now
     this.open = open;
     this.by = "state";
-    this.at = 0;
+    this.at = FrameGrid.kept.get(map.id) ?? 0;
     this.only = null;
     this.canvas = el("canvas", { tabindex: "0", role: "application", "aria-label": "Frames: arrows move, Enter opens, n and N go to failed ones",
       "aria-describedby": "tell", onkeydown: (event) => this.onKey(event), onpointermove: (event) => this.onPoint(event),
@@ -36,8 +39,6 @@ export class FrameGrid {
     this.told = el("p", { id: "tell", class: "tell", "aria-live": "polite" }, "");
     this.root = el("div", { class: "grid" }, this.makeChoice(), this.legend, this.told,
       this.box = el("div", { class: "canvas" }, this.canvas, this.cursor), this.probe);
-    this.observer = new ResizeObserver(() => this.draw());
-    this.onChange = () => this.drawSoon();
   }
 
   makeChoice() {
@@ -49,15 +50,9 @@ export class FrameGrid {
   }
 
   show() {
-    this.observer.observe(this.box);
-    this.map.addEventListener("change", this.onChange);
+    this.watchSize(this.box, () => this.draw());
+    this.on(this.map, "change", () => this.drawSoon());
     this.draw();
-  }
-
-  hide() {
-    clearTimeout(this.timer);
-    this.observer.disconnect();
-    this.map.removeEventListener("change", this.onChange);
   }
 
   drawSoon() {
@@ -191,6 +186,7 @@ export class FrameGrid {
 
   move(index) {
     this.at = Math.min(this.map.numbers.length - 1, Math.max(0, index));
+    FrameGrid.kept.set(this.map.id, this.at);
     this.moveCursor();
     this.tell();
   }

@@ -1,26 +1,24 @@
 // One job: what it is, what can be done with it, and its frames, flipbook, plots, plan and document.
-import { el, facts, stateMark, doneOf, isOver, count, duration, rate, time } from "./dom.js";
+import { View, el, facts, stateMark, doneOf, isOver, count, duration, rate, time } from "./dom.js";
 import { actionButtons, keyAction } from "./actions.js";
 import { paceOf, phaseText, errorText, progressBar } from "./jobs.js";
 import { FrameMap } from "./framemap.js";
 import { FrameGrid } from "./grid.js";
 import { formatRange } from "./ranges.js";
 
-const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"], ["plan", "Plan", "x"], ["document", "Document", "d"]];
-const lastFrame = new Map(); // job -> index in its grid, for who comes back from a frame
+const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"], ["document", "Document", "d"]];
 
-export class JobView {
+export class JobView extends View {
   constructor(farm, id, tab) {
+    super();
     Object.assign(this, { farm, id, tab: tab ?? "frames", title: `Job ${id}` });
     this.map = new FrameMap(farm, id);
-    this.grid = new FrameGrid(this.map, () => this.job, (frame) => this.openFrame(frame));
     this.head = el("div", { class: "head" });
     this.buttons = actionButtons(farm);
     this.tabs = el("div", { class: "tabs", role: "tablist", "aria-label": "About this job", onkeydown: (event) => this.onTabKey(event) },
       tabs.map(([name, title, key]) => el("a", { role: "tab", id: `tab-${name}`, href: this.hash(name), title: `Key: ${key}`, "aria-controls": "panel" }, title)));
     this.panel = el("div", { id: "panel", role: "tabpanel" });
     this.root = el("section", { class: "job", "aria-label": "Job" }, this.head, this.buttons, this.tabs, this.panel);
-    this.onChange = ({ detail }) => detail.has(id) && (this.shown && !farm.jobs.has(id) ? this.drawDeleted() : this.drawHead());
   }
 
   hash(tab) {
@@ -32,9 +30,8 @@ export class JobView {
   }
 
   async show() {
-    this.farm.addEventListener("change", this.onChange);
-    this.onState = () => this.farm.state === "live" && !this.isOpen && this.load();
-    this.farm.addEventListener("state", this.onState);
+    this.on(this.farm, "change", ({ detail }) => detail.has(this.id) && this.drawHead());
+    this.on(this.farm, "state", () => this.farm.state === "live" && !this.isOpen && this.load());
     if (this.job) this.drawHead();
     else this.head.replaceChildren(el("p", { class: "hint" }, "The farm is asked."));
     this.selectTab(this.tab);
@@ -47,8 +44,6 @@ export class JobView {
       this.shown = await this.farm.call("job.show", { id: this.id });
       this.drawHead();
       await this.map.open();
-      const kept = lastFrame.get(this.id);
-      if (kept !== undefined) this.grid.move(kept);
       this.selectTab(this.tab);
     } catch (error) {
       this.head.replaceChildren(el("h1", null, `Job ${this.id}`), el("p", { class: "wrong" }, error.message));
@@ -56,15 +51,13 @@ export class JobView {
   }
 
   hide() {
-    lastFrame.set(this.id, this.grid.at);
-    this.farm.removeEventListener("change", this.onChange);
-    this.farm.removeEventListener("state", this.onState);
-    this.content?.hide?.();
+    super.hide();
+    this.content?.hide();
     this.map.close();
   }
 
   focus() {
-    (this.tab === "frames" ? this.grid.canvas : this.tabs.querySelector("[aria-selected=true]"))?.focus({ preventScroll: true });
+    (this.content?.canvas ?? this.tabs.querySelector("[aria-selected=true]"))?.focus({ preventScroll: true });
   }
 
   openFrame(frame) {
@@ -88,23 +81,23 @@ export class JobView {
     }
     this.panel.setAttribute("aria-labelledby", `tab-${tab}`);
     const make = {
-      frames: () => this.grid,
+      frames: () => new FrameGrid(this.map, () => this.job, (frame) => this.openFrame(frame)),
       flipbook: async () => new (await import("./flipbook.js")).Flipbook(this),
       plots: async () => new (await import("./plots.js")).Plots(this),
-      plan: async () => new (await import("./plan.js")).Plan(this),
-      document: async () => new (await import("./plan.js")).JobDocument(this),
+      document: async () => new (await import("./document.js")).JobDocument(this),
     }[tab];
     const content = await make();
     if (this.tab !== tab) return;
-    this.content?.hide?.();
+    this.content?.hide();
     this.content = content;
     this.panel.replaceChildren(content.root);
-    content.show?.();
+    content.show();
   }
 
   drawHead() {
     const { job } = this;
     if (!job) return;
+    if (this.shown && this.farm.isLoaded && !this.farm.jobs.has(this.id)) return this.drawDeleted();
     this.title = `Job ${job.id}, ${job.name}`;
     const counts = ["queued", "running", "succeeded", "skipped", "failed", "canceled"].filter((state) => job[state]);
     this.head.replaceChildren(
@@ -145,7 +138,7 @@ export class JobView {
   }
 
   onKey(event) {
-    if (this.content?.onKey?.(event)) return event.target !== this.grid.canvas;
+    if (this.tab !== "frames" && this.content?.onKey?.(event)) return true;
     const tab = tabs.find(([, , key]) => key === event.key);
     if (tab) location.hash = this.hash(tab[0]);
     return Boolean(tab) || keyAction(this.farm, this.job, event.key);

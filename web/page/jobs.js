@@ -1,5 +1,5 @@
 // The list of jobs: ten thousands of rows, of which those in sight are made.
-import { el, stateMark, doneOf, isOver, count, duration, percent, rate, time } from "./dom.js";
+import { View, el, stateMark, doneOf, isOver, count, duration, percent, rate, time } from "./dom.js";
 import { keyAction } from "./actions.js";
 
 const SORT_MS = 500, SPARE_ROWS = 6;
@@ -104,8 +104,9 @@ function sorter() {
   };
 }
 
-export class JobsView {
+export class JobsView extends View {
   constructor(farm) {
+    super();
     this.farm = farm;
     this.title = "Jobs";
     this.pool = new Map(); // index -> row
@@ -118,8 +119,6 @@ export class JobsView {
         this.space = el("div", { class: "space", role: "presentation" })),
       this.empty = el("p", { class: "hint", hidden: true }));
     this.makeHeads();
-    this.onChange = ({ detail }) => this.change(detail);
-    this.onResize = () => this.measure();
   }
 
   makeTools() {
@@ -157,8 +156,8 @@ export class JobsView {
   }
 
   show() {
-    this.farm.addEventListener("change", this.onChange);
-    addEventListener("resize", this.onResize);
+    this.on(this.farm, "change", ({ detail }) => this.change(detail));
+    this.on(window, "resize", () => this.measure());
     this.measure();
     this.arrange();
     this.scroller.scrollTop = chosen.scroll;
@@ -168,8 +167,7 @@ export class JobsView {
   hide() {
     chosen.scroll = this.scroller.scrollTop;
     clearTimeout(this.timer);
-    this.farm.removeEventListener("change", this.onChange);
-    removeEventListener("resize", this.onResize);
+    super.hide();
   }
 
   focus() {

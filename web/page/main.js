@@ -9,7 +9,7 @@ let view, shownHash;
 // A view that is not asked for is not loaded.
 const routes = [
   [/^#\/jobs$/, () => new JobsView(farm)],
-  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|plan|document))?$/, async (id, tab) => new (await import("./job.js")).JobView(farm, Number(id), tab)],
+  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|document))?$/, async (id, tab) => new (await import("./job.js")).JobView(farm, Number(id), tab)],
   [/^#\/jobs\/(\d+)\/frames\/(-?\d+)$/, async (id, frame) => new (await import("./frame.js")).FrameView(farm, Number(id), Number(frame))],
   [/^#\/workers$/, async () => new (await import("./workers.js")).WorkersView(farm)],
   [/^#\/submit$/, async () => new (await import("./submit.js")).SubmitView(farm)],

@@ -1,23 +1,19 @@
 // Workers, by pool and node: which machine and renderer, what they do now, what was wrong last.
-import { el, table, facts, count, duration } from "./dom.js";
+import { View, el, table, facts, count, duration } from "./dom.js";
 
 const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", backing_off: "✗ backing off", stopping: "⊘ stopping", waiting: "Ⅱ waiting" };
 
-export class WorkersView {
+export class WorkersView extends View {
   constructor(farm) {
+    super();
     this.farm = farm;
     this.title = "Workers";
     this.root = el("section", { class: "text wide", "aria-label": "Workers" });
-    this.onChange = ({ detail }) => (detail.has("workers") || detail.has("status")) && this.draw();
   }
 
   show() {
-    this.farm.addEventListener("change", this.onChange);
+    this.on(this.farm, "change", ({ detail }) => (detail.has("workers") || detail.has("status")) && this.draw());
     this.draw();
-  }
-
-  hide() {
-    this.farm.removeEventListener("change", this.onChange);
   }
 
   draw() {
