@@ -12,14 +12,15 @@
 #include <string.h>
 #include <unistd.h>
 
-// The params of job.list: some verbs make no sense for jobs that have ended.
+// The params of job.list: some verbs make no sense for jobs that have ended, and nobody reads more than the newest.
 static const char *states_of_verb(const char *verb)
 {
     static const char *const names[] = {"watch", "wait", "pause", "resume", "cancel", "prio"};
 
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(names[i], verb) == 0) return "{\"state\":[\"queued\",\"running\",\"paused\"]}";
-    return "{}";
+        if (strcmp(names[i], verb) == 0)
+            return "{\"state\":[\"queued\",\"running\",\"paused\"],\"order\":\"-id\",\"limit\":200}";
+    return "{\"order\":\"-id\",\"limit\":200}";
 }
 
 // Prints no error, and is ended by SIGALRM when the daemon hangs: the user is waiting for a key to have an effect.

@@ -4,6 +4,8 @@
 #include "cli/farm/job_states.h"
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
+#include "core/base/alloc.h"
+#include "core/json/json_read.h"
 #include "core/json/json_write.h"
 
 #include <inttypes.h>
@@ -106,7 +108,8 @@ static void print_page(const struct options *options, const struct json_node *fr
     }
 }
 
-static char *format_params(const struct options *options, int64_t id, int64_t offset)
+// `cursor` NULL: the first page.
+static char *format_params(const struct options *options, int64_t id, const char *cursor)
 {
     struct json_writer params = {0};
 
@@ -114,42 +117,58 @@ static char *format_params(const struct options *options, int64_t id, int64_t of
     json_write_integer_member(&params, "id", id);
     job_states_write(&params, options->state);
     if (options->range) json_write_string_member(&params, "range", options->range);
-    json_write_integer_member(&params, "offset", offset);
+    if (cursor) json_write_string_member(&params, "cursor", cursor);
     json_write_integer_member(&params, "limit", PAGE_SIZE);
     json_write_end_object(&params);
     return params.text;
 }
 
+static void print_titles(const struct options *options)
+{
+    if (options->json)
+        printf("{\"frames\":[");
+    else
+        printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %8s  %8s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
+               "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "TRACED %", "FILE, FAILURE OR PHASE");
+}
+
+// `*cursor` is owned by the caller; NULL: the first page, and after the last one.
+static enum exit_status print_next_page(const struct options *options, struct connection *connection, int64_t id,
+                                        char **cursor, int64_t *count, struct error *error)
+{
+    char *params = format_params(options, id, *cursor);
+    bool ok, is_first = !*cursor;
+    struct json_node frames, next;
+    struct message reply;
+    const char *text;
+
+    ok = connection_call(connection, "job.frames", params, &reply, error);
+    free(params);
+    free(*cursor);
+    *cursor = NULL;
+    if (!ok) return connection_failure(connection);
+    if (is_first) print_titles(options);
+    frames = json_node_child(&reply.body, "frames");
+    next = json_node_child(&reply.body, "next");
+    print_page(options, &frames, *count == 0);
+    *count += (int64_t)json_node_count(&frames);
+    if (json_read_string(&next, &text, NULL)) *cursor = xstrdup(text);
+    message_finish(&reply);
+    return EXIT_STATUS_DONE;
+}
+
 static enum exit_status print_frames(const struct options *options, struct connection *connection, int64_t id,
                                      struct error *error)
 {
-    int64_t offset = 0, total = 0;
+    enum exit_status status;
+    char *cursor = NULL;
+    int64_t count = 0;
 
-    do {
-        char *params = format_params(options, id, offset);
-        struct json_node frames, total_node;
-        struct message reply;
-        bool ok = connection_call(connection, "job.frames", params, &reply, error);
-        int64_t count;
-
-        free(params);
-        if (!ok) return connection_failure(connection);
-        if (offset == 0 && options->json) printf("{\"frames\":[");
-        if (offset == 0 && !options->json)
-            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %8s  %8s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
-                   "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "TRACED %", "FILE, FAILURE OR PHASE");
-        frames = json_node_child(&reply.body, "frames");
-        total_node = json_node_child(&reply.body, "total");
-        ok = json_read_integer(&total_node, 0, INT64_C(1) << 52, &total, error);
-        print_page(options, &frames, offset == 0);
-        count = (int64_t)json_node_count(&frames);
-        message_finish(&reply);
-        if (!ok) return EXIT_STATUS_FAILED;
-        if (count == 0) break;
-        offset += count;
-    } while (offset < total);
-    if (options->json) printf("],\"total\":%" PRId64 "}\n", total);
-    return EXIT_STATUS_DONE;
+    do
+        status = print_next_page(options, connection, id, &cursor, &count, error);
+    while (status == EXIT_STATUS_DONE && cursor);
+    if (status == EXIT_STATUS_DONE && options->json) printf("],\"next\":null,\"total\":%" PRId64 "}\n", count);
+    return status;
 }
 
 enum exit_status command_frames(const struct options *options, struct error *error)

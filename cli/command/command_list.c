@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
+#include "cli/farm/job_pages.h"
 #include "cli/farm/job_report.h"
-#include "cli/farm/job_states.h"
+#include "cli/peer/connection.h"
 #include "cli/program/options.h"
 #include "cli/terminal/print.h"
 #include "cli/terminal/progress.h"
 #include "cli/terminal/table.h"
-#include "core/json/json_write.h"
+#include "core/json/json_read.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,44 +48,63 @@ static void add_row(struct table *table, const struct job_report *job)
     free(eta);
 }
 
-static bool print_jobs(const struct json_node *jobs, struct error *error)
+// What is listed, as rows or as JSON.
+struct listing {
+    struct table table;
+    bool prints_json;
+    int64_t count;
+};
+
+static bool on_job(void *user, const struct json_node *job, struct error *error)
 {
-    struct table table = {.columns = columns, .column_count = sizeof columns / sizeof *columns};
-    struct json_node job = {0};
-    bool ok = true;
+    struct listing *listing = user;
+    struct job_report report;
 
-    while (ok && json_node_next(jobs, &job)) {
-        struct job_report report;
+    if (listing->prints_json) {
+        char *text = json_node_format(job);
 
-        ok = job_report_read(&report, &job, error);
-        if (!ok) break;
-        add_row(&table, &report);
-        job_report_finish(&report);
+        printf("%s%s", listing->count++ > 0 ? "," : "{\"jobs\":[", text);
+        free(text);
+        return true;
     }
-    if (ok) print_table(&table);
-    table_finish(&table);
-    return ok;
+    if (!job_report_read(&report, job, error)) return false;
+    add_row(&listing->table, &report);
+    job_report_finish(&report);
+    return true;
+}
+
+// The result of job.list as one page.
+static enum exit_status list_jobs(const struct job_pages *pages, struct connection *connection, struct error *error)
+{
+    struct listing *listing = pages->user;
+    enum exit_status status;
+
+    status = job_pages_read(pages, connection, error);
+    if (status != EXIT_STATUS_DONE) return status;
+    if (listing->prints_json)
+        printf("%s],\"next\":null,\"total\":%" PRId64 "}\n", listing->count > 0 ? "" : "{\"jobs\":[", listing->count);
+    else
+        print_table(&listing->table);
+    return status;
 }
 
 enum exit_status command_list(const struct options *options, struct error *error)
 {
-    struct json_writer params = {0};
-    struct message reply;
+    struct listing listing = {.table = {.columns = columns, .column_count = sizeof columns / sizeof *columns},
+                              .prints_json = options->json};
+    struct job_pages pages = {.states = options->state,
+                              .owner = options->owner,
+                              .name = options->name,
+                              .since_s = options->since_s,
+                              .limit = options->limit,
+                              .on_job = on_job,
+                              .user = &listing};
     enum exit_status status;
+    struct connection *connection = daemon_call_connect(options, &status, error);
 
-    json_write_begin_object(&params);
-    job_states_write(&params, options->state);
-    json_write_end_object(&params);
-    status = daemon_call(options, "job.list", params.text, &reply, error);
-    json_writer_finish(&params);
-    if (status != EXIT_STATUS_DONE) return status;
-    if (options->json) {
-        print_json(&reply.body);
-    } else {
-        struct json_node jobs = json_node_child(&reply.body, "jobs");
-
-        if (!print_jobs(&jobs, error)) status = EXIT_STATUS_FAILED;
-    }
-    message_finish(&reply);
+    if (!connection) return status;
+    status = list_jobs(&pages, connection, error);
+    connection_close(connection);
+    table_finish(&listing.table);
     return status;
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/farm/job_selection.h"
 
+#include "cli/farm/job_pages.h"
 #include "cli/farm/job_report.h"
-#include "cli/farm/job_states.h"
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/json/json_write.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -60,25 +59,24 @@ static void count_owner(struct owners *owners, const char *name)
     owners->counts[i]++;
 }
 
-static bool choose(struct job_selection *selection, const struct json_node *jobs, const char *owner,
-                   struct owners *owners, struct error *error)
+// What is chosen so far.
+struct choice {
+    struct job_selection *selection;
+    size_t capacity;
+    struct owners owners;
+};
+
+static bool on_job(void *user, const struct json_node *job, struct error *error)
 {
-    struct json_node job = {0};
-    size_t capacity = 0;
+    struct choice *choice = user;
+    struct job_selection *selection = choice->selection;
+    struct job_report report;
 
-    while (json_node_next(jobs, &job)) {
-        struct job_report report;
-        const char *name;
-
-        if (!job_report_read(&report, &job, error)) return false;
-        name = report.owner ? report.owner : "?";
-        if (!owner || strcmp(name, owner) == 0) {
-            selection->ids = xgrow(selection->ids, &capacity, selection->count + 1, sizeof selection->ids[0]);
-            selection->ids[selection->count++] = report.id;
-            count_owner(owners, name);
-        }
-        job_report_finish(&report);
-    }
+    if (!job_report_read(&report, job, error)) return false;
+    selection->ids = xgrow(selection->ids, &choice->capacity, selection->count + 1, sizeof selection->ids[0]);
+    selection->ids[selection->count++] = report.id;
+    count_owner(&choice->owners, report.owner ? report.owner : "?");
+    job_report_finish(&report);
     return true;
 }
 
@@ -116,26 +114,17 @@ static enum exit_status find_chosen(struct job_selection *selection, struct conn
                                     const struct options *options, const struct job_selection_params *params,
                                     struct error *error)
 {
-    struct owners owners = {0};
-    struct json_writer writer = {0};
-    enum exit_status status = EXIT_STATUS_FAILED;
-    struct message reply;
+    struct choice choice = {.selection = selection};
+    struct job_pages pages = {.states = options->state ? options->state : params->states,
+                              .owner = options->owner,
+                              .since_s = -1,
+                              .on_job = on_job,
+                              .user = &choice};
+    enum exit_status status = job_pages_read(&pages, connection, error);
 
-    json_write_begin_object(&writer);
-    job_states_write(&writer, options->state ? options->state : params->states);
-    json_write_end_object(&writer);
-    if (connection_call(connection, "job.list", writer.text, &reply, error)) {
-        struct json_node jobs = json_node_child(&reply.body, "jobs");
-
-        if (choose(selection, &jobs, options->owner, &owners, error))
-            status = confirm(selection, options, params->verb, &owners, error);
-        message_finish(&reply);
-    } else {
-        status = connection_failure(connection);
-    }
-    json_writer_finish(&writer);
-    for (size_t i = 0; i < owners.count; i++)
-        free(owners.names[i]);
+    if (status == EXIT_STATUS_DONE) status = confirm(selection, options, params->verb, &choice.owners, error);
+    for (size_t i = 0; i < choice.owners.count; i++)
+        free(choice.owners.names[i]);
     return status;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/program/options.h"
 
+#include "cli/program/moment.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/nearest_name.h"
@@ -10,8 +11,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_FRAMES, KIND_BACKEND };
+enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_FRAMES, KIND_BACKEND, KIND_MOMENT };
 
 struct option_rule {
     const char *name;
@@ -84,6 +86,10 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_OWNER] = {"owner", KIND_TEXT, FIELD(owner), "NAME", 0, 0, "the jobs of this user"},
     [OPTION_YES] = {"yes", KIND_FLAG, FIELD(yes), NULL, 0, 0, "do it without a question"},
     [OPTION_NODES] = {"nodes", KIND_FLAG, FIELD(nodes), NULL, 0, 0, "a line for each node, not for each worker"},
+    [OPTION_NAME] = {"name", KIND_TEXT, FIELD(name), "TEXT", 0, 0, "only jobs with this in their names"},
+    [OPTION_SINCE] = {"since", KIND_MOMENT, FIELD(since_s), "AGE|DATE", 0, 0,
+                      "only jobs submitted since: 12h, 30d, 2026-03-01, 2026-03-01T18:30"},
+    [OPTION_LIMIT] = {"limit", KIND_INTEGER, FIELD(limit), "N", 1, 1000000, "only the N newest, these first"},
     [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
                       "render also frames whose files are there, whole and of this job"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
@@ -173,6 +179,13 @@ static bool set_backend(struct options *options, const char *value, struct error
     return false;
 }
 
+static bool set_moment(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
+{
+    if (moment_parse(value, time(NULL), (int64_t *)((char *)options + rule->offset), error)) return true;
+    error_prefix(error, "--%s", rule->name);
+    return false;
+}
+
 static bool set_value(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
 {
     char *field = (char *)options + rule->offset;
@@ -195,6 +208,8 @@ static bool set_value(struct options *options, const struct option_rule *rule, c
         return set_frames(options, rule, value, error);
     case KIND_BACKEND:
         return set_backend(options, value, error);
+    case KIND_MOMENT:
+        return set_moment(options, rule, value, error);
     }
     return false;
 }
@@ -247,7 +262,9 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
                                 .columns = -1,
                                 .tile_width_px = -1,
                                 .point_limit_s = -1,
-                                .reconnect_s = -1};
+                                .reconnect_s = -1,
+                                .limit = -1,
+                                .since_s = -1};
     options->exposure = options->fps = options->tolerance = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);

@@ -52,6 +52,9 @@ enum option {
     OPTION_OWNER,
     OPTION_YES,
     OPTION_NODES,
+    OPTION_NAME,
+    OPTION_SINCE,
+    OPTION_LIMIT,
     OPTION_COUNT
 };
 
@@ -61,8 +64,10 @@ enum option {
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes, nodes;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
-        *plan_of, *preview, *owner, *pool;
-    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s;
+        *plan_of, *preview, *owner, *pool, *name;
+    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s,
+        limit,
+        since_s; // since_s: unix time
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;

@@ -11,7 +11,7 @@ struct request;
 // The zero value has no job.
 struct job_filter {
     unsigned states;          // bits 1 << enum job_state
-    char *owner, *name;       // owned; NULL: any. A name has `name` in it, in capitals or not.
+    char *owner, *name;       // owned; NULL: any. `name`, in small letters, is a part of a job's.
     double since_s, before_s; // unix time of the submission: from the first on, and before the second
     bool has_since, has_before;
 };

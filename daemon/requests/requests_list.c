@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { IDS_LIMIT = 1000, JOBS_LIMIT = 1000, WRITTEN_OF_A_STEP = 4, LOOKED_AT_OF_A_STEP = 1024 };
+enum { IDS_LIMIT = 1000, JOBS_LIMIT = 1000, WRITTEN_OF_A_STEP = 4, LOOKED_AT_OF_A_STEP = 1024, FETCH_AHEAD = 8 };
 
 const char *const job_list_orders[] = {"id", "-id", NULL};
 
@@ -73,6 +73,15 @@ static bool walk_ids(struct job_list *list)
     return list->ids_done < list->id_count;
 }
 
+// Of a hundred thousand jobs few are in the processor's cache: what is looked at next is fetched meanwhile.
+static void fetch(const struct job_table *jobs, size_t index, size_t further)
+{
+    if (index >= jobs->count || further >= jobs->count) return;
+    __builtin_prefetch(jobs->records[further]);
+    __builtin_prefetch(jobs->records[index]->name);
+    __builtin_prefetch(jobs->records[index]->queued);
+}
+
 static bool walk_up(struct job_list *list)
 {
     const struct job_table *jobs = &list->farm->jobs;
@@ -81,6 +90,7 @@ static bool walk_up(struct job_list *list)
 
     for (; i < jobs->count && jobs->records[i]->id <= list->last_id; i++) {
         if (i == end || list->written == written_end) return true;
+        fetch(jobs, i + FETCH_AHEAD, i + 2 * (size_t)FETCH_AHEAD);
         look_at(list, jobs->records[i]);
         if (list->has_more && list->is_counted) return false;
         list->next_id = jobs->records[i]->id + 1;
@@ -96,6 +106,7 @@ static bool walk_down(struct job_list *list)
 
     for (int looked_at = 0; i > 0; i--, looked_at++) {
         if (looked_at == LOOKED_AT_OF_A_STEP || list->written == written_end) return true;
+        fetch(jobs, i - FETCH_AHEAD, i - 2 * (size_t)FETCH_AHEAD); // below 0 is beyond the count
         look_at(list, jobs->records[i - 1]);
         if (list->has_more && list->is_counted) return false;
         list->next_id = jobs->records[i - 1]->id - 1;

@@ -29,7 +29,7 @@ live=$(submit "$(job 0-3)" true)
 over=$(submit "$(job 0-3 '.output.path = "over/over.####.exr"')" true)
 ask job.cancel "{\"id\":$over}" >/dev/null
 wait_state "$over" canceled
-expect "ids of jobs" "$(typed_bash march show '')" "$live $over"
+expect "ids of jobs, the newest first" "$(typed_bash march show '')" "$over $live"
 expect "ids of jobs that are not over" "$(typed_bash march pause '')" "$live"
 
 if command -v zsh >/dev/null; then

@@ -62,6 +62,18 @@ grep -q "paused by" out || fail "list shows why a job waits"
 expect 0 march list --json
 [ "$(grep -o '"id":' out | wc -l)" -eq 4 ] || fail "list --json"
 expect 2 march list --state paussed
+expect 0 march list --limit 2 --json
+[ "$(grep -o '"id":[0-9]*' out | xargs)" = "id:4 id:3" ] || fail "the newest first with --limit"
+grep -q '"next":null,"total":2}$' out || fail "all pages of list --limit are one result"
+expect 0 march list --owner nobody-at-all --json
+expect_stdout '{"jobs":[],"next":null,"total":0}'
+expect 0 march list --owner "$(id -un)" --name CLOU --since 1h --state paused
+[ "$(wc -l <out)" -eq 2 ] || fail "list --owner --name --since --state shows one job"
+expect 0 march list --since 2100-01-01
+[ "$(wc -l <out)" -eq 1 ] || fail "list --since a later day shows no job"
+expect 2 march list --since yesterday
+grep -q -- '--since: expected an age such as 12h or 30d, or a date such as 2026-03-01 or 2026-03-01T18:30, got "yesterday"' err ||
+    fail "a wrong --since"
 expect 0 march show 4
 grep -q "^priority   7$" out || fail "show"
 grep -q "^reason     paused" out || fail "show says why it waits"
@@ -72,7 +84,7 @@ expect 0 march frames 1
 expect 0 march frames 4 --frames 2-4 --json
 grep -q '"total":3}$' out || fail "frames --frames"
 expect 0 march frames 1 --state failed --json
-expect_stdout '{"frames":[],"total":0}'
+expect_stdout '{"frames":[],"next":null,"total":0}'
 expect 0 march cancel 4
 expect 1 march wait 4
 grep -q "^job 4: canceled" out || fail "wait tells what became of the job"
