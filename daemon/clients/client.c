@@ -6,19 +6,17 @@
 #include "core/base/log.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/client_account.h"
+#include "daemon/clients/client_peer.h"
 #include "daemon/clients/shared_text.h"
 #include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
 
-#include <errno.h>
-#include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 enum {
-    FIRST_GROUPS = 64,                    // room for groups of a peer at first; there may be more
     UNREAD_LIMIT = 1024 * 1024,           // bytes the peer has not read, above which its messages wait
     USER_UNREAD_LIMIT = 64 * 1024 * 1024, // the same of all connections of its user
     USER_EVENTS_LIMIT = 16 * 1024 * 1024, // bytes of events that wait for a user's connections
@@ -51,46 +49,10 @@ static void on_written(void *user, int status);
 static void on_shutdown(uv_shutdown_t *request, int status);
 static void on_pipe_closed(uv_handle_t *handle);
 
-// Supplementary groups of the peer, then its primary group, which SO_PEERGROUPS leaves out.
-static void read_groups(struct client *client, int fd, gid_t primary)
-{
-    socklen_t size = FIRST_GROUPS * sizeof(gid_t);
-    int result = -1;
-
-    for (int tries = 0; tries < 2 && result != 0; tries++) {
-        client->groups = xrealloc(client->groups, size + sizeof(gid_t));
-        result = getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, client->groups, &size);
-        if (result != 0 && errno != ERANGE) break;
-    }
-    if (result != 0) size = 0;
-    client->peer.group_count = size / sizeof(gid_t);
-    client->groups[client->peer.group_count++] = primary;
-    client->peer.groups = client->groups;
-}
-
-static void read_peer(struct client *client)
-{
-    struct ucred peer = {.uid = (uid_t)-1, .gid = (gid_t)-1};
-    socklen_t length = sizeof peer;
-    struct passwd entry, *found = NULL;
-    char text[4096];
-    uv_os_fd_t fd;
-
-    client->peer.uid = -1;
-    if (uv_fileno((uv_handle_t *)&client->pipe, &fd) == 0 &&
-        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid != (uid_t)-1) {
-        client->peer.uid = peer.uid;
-        read_groups(client, fd, peer.gid);
-    }
-    if (client->peer.uid >= 0 && getpwuid_r(peer.uid, &entry, text, sizeof text, &found) == 0 && found)
-        client->user = xstrdup(entry.pw_name);
-    else
-        client->user = xasprintf("%lld", (long long)client->peer.uid);
-}
-
 struct client *client_create(const struct client_host *host, int fd)
 {
     struct client *client = xcalloc(1, sizeof *client);
+    uv_os_fd_t opened;
 
     client->host = host;
     client->task.step = on_step;
@@ -104,7 +66,8 @@ struct client *client_create(const struct client_host *host, int fd)
         uv_close((uv_handle_t *)&client->pipe, on_pipe_closed);
         return NULL;
     }
-    read_peer(client);
+    if (uv_fileno((uv_handle_t *)&client->pipe, &opened) != 0) opened = -1;
+    client->groups = client_peer_read(opened, &client->peer, &client->user);
     return client;
 }
 
@@ -164,6 +127,15 @@ static void give_place(struct client *client)
     for (; other; other = other->next)
         if (other != client && other->outgoing.account == account && !other->is_closing)
             loop_turns_put(other->host->turns, &other->task);
+}
+
+void client_change_account(struct client *client, int64_t uid)
+{
+    struct client_account *before = client->outgoing.account;
+
+    give_place(client);
+    outgoing_change_account(&client->outgoing, client_accounts_join(client->host->accounts, uid));
+    client_accounts_leave(client->host->accounts, before);
 }
 
 static bool may_read(struct client *client)
@@ -332,6 +304,11 @@ static bool on_step(struct loop_task *task)
 void client_refuse(struct client *client, enum message_code code, const char *why)
 {
     client_send_error(client, no_id, code, why);
+    client_end(client);
+}
+
+void client_end(struct client *client)
+{
     if (!client->is_closing) end(client);
 }
 

@@ -6,6 +6,7 @@
 #include "core/wire/message_stream.h"
 #include "daemon/clients/outgoing.h"
 #include "daemon/loop/loop_turns.h"
+#include "daemon/users/access.h"
 #include "daemon/users/rights.h"
 
 #include <stdbool.h>
@@ -15,6 +16,7 @@
 #include <uv.h>
 
 struct client;
+struct client_accounts;
 struct json_writer;
 struct memory_return;
 struct shared_text;
@@ -26,6 +28,7 @@ struct client_host {
     struct loop_turns *turns;     // messages are handled one by one, and clients take turns
     struct work_desk *desk;       // where long messages are read
     struct memory_return *memory; // told of what a client leaves
+    struct client_accounts *accounts;
     // The message is a request or a notification; its root may be taken out of it.
     void (*on_message)(void *user, struct client *client, struct message *message);
     void (*on_closed)(void *user, struct client *client); // it is freed next: nothing may be sent
@@ -43,9 +46,10 @@ struct client {
     struct outgoing outgoing; // what is not read by the peer, and the account of its user
     size_t stuck_bytes;       // of the socket's queue, when it was looked at last
     int stuck_checks;         // in a row that found the same bytes there
-    struct rights_peer peer;  // at the time of the connection
+    struct rights_peer peer;  // as the kernel named it at the time of the connection; or the user of a token
     gid_t *groups;            // owned; the peer's
     char *user;               // owned; the peer's user name, or its number
+    struct access access;     // what it may ask for (client_identity.h)
     size_t pending_answers;   // deferred answers that were not sent yet
     bool has_place;           // for a long line; see client_account.h
     size_t stalled_bytes;     // received of that line, when it was looked at last
@@ -66,6 +70,9 @@ void client_start(struct client *client);
 void client_close(struct client *client); // at once; legal twice
 // Sends the error, reads no messages, and closes.
 void client_refuse(struct client *client, enum message_code code, const char *why);
+void client_end(struct client *client); // sends what waits, and closes; legal twice
+// Its connection and what it has not read count as the user's from here on.
+void client_change_account(struct client *client, int64_t uid);
 // Reads no more messages. Deferred answers and events are still sent.
 void client_stop_reading(struct client *client);
 // To be called every few seconds. Where messages of the user wait because too much is unread, a client that has read

@@ -6,12 +6,19 @@
 #include <assert.h>
 #include <stdlib.h>
 
-struct client_account *client_accounts_join(struct client_accounts *accounts, int64_t uid)
+struct client_account *client_accounts_find(const struct client_accounts *accounts, int64_t uid)
 {
     struct client_account *account = accounts->first;
 
     while (account && account->uid != uid)
         account = account->next;
+    return account;
+}
+
+struct client_account *client_accounts_join(struct client_accounts *accounts, int64_t uid)
+{
+    struct client_account *account = client_accounts_find(accounts, uid);
+
     if (!account) {
         account = xcalloc(1, sizeof *account);
         account->uid = uid;

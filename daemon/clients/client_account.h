@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // A line may have 4 MiB, and be 16 times as large once it is read: only so many of a user are received at a time.
-enum { CLIENT_ACCOUNT_LONG_LINES = 4 };
+enum { CLIENT_ACCOUNT_LONG_LINES = 4, CLIENT_ACCOUNT_CLIENTS = 64 }; // the latter: connections of one user
 
 struct client_account {
     int64_t uid;
@@ -25,6 +25,7 @@ struct client_accounts {
 
 // One client more of the user, whose account is made if there is none.
 struct client_account *client_accounts_join(struct client_accounts *accounts, int64_t uid);
+struct client_account *client_accounts_find(const struct client_accounts *accounts, int64_t uid); // NULL: there is none
 // A place for a long line; false: there is none left. It is to be given back.
 bool client_account_take_place(struct client_account *account);
 void client_account_give_place(struct client_account *account);

@@ -2,9 +2,11 @@
 #include "daemon/clients/listener.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "daemon/clients/client_account.h"
+#include "daemon/clients/client_identity.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -20,11 +22,10 @@
 enum {
     WAITING_LIMIT = 128,
     SOCKET_MODE = 0660,
-    CONNECTIONS_LIMIT = 64, // of one user
-    ACCEPT_LIMIT = 16,      // connections in one turn of the loop
-    PAUSE_MS = 1000,        // after a connection that could not be accepted
-    QUIET_MS = 60 * 1000,   // between two lines of the log about that
-    CHECK_MS = 5 * 1000     // between two looks at clients that do not read
+    ACCEPT_LIMIT = 16,    // connections in one turn of the loop
+    PAUSE_MS = 1000,      // after a connection that could not be accepted
+    QUIET_MS = 60 * 1000, // between two lines of the log about that
+    CHECK_MS = 5 * 1000   // between two looks at clients that do not read
 };
 
 struct listener {
@@ -159,6 +160,7 @@ struct listener *listener_open(uv_loop_t *loop, const struct listener_params *pa
                                           .turns = params->turns,
                                           .desk = params->desk,
                                           .memory = params->memory,
+                                          .accounts = &listener->accounts,
                                           .on_message = on_client_message,
                                           .on_closed = on_client_closed,
                                           .user = listener};
@@ -179,7 +181,7 @@ static bool is_over_limit(const struct client *client)
 {
     int64_t uid = client->peer.uid;
 
-    return uid != 0 && uid != geteuid() && client->outgoing.account->client_count > CONNECTIONS_LIMIT;
+    return uid != 0 && uid != geteuid() && client->outgoing.account->client_count > CLIENT_ACCOUNT_CLIENTS;
 }
 
 static void add_client(struct listener *listener, struct client *client)
@@ -194,7 +196,7 @@ static void add_client(struct listener *listener, struct client *client)
         client_start(client);
         return;
     }
-    snprintf(why, sizeof why, "connections: %.40s may have %d at a time", client->user, CONNECTIONS_LIMIT);
+    snprintf(why, sizeof why, "connections: %.40s may have %d at a time", client->user, CLIENT_ACCOUNT_CLIENTS);
     client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
 }
 
@@ -245,9 +247,12 @@ static void on_resume(uv_timer_t *timer)
 static void on_check(uv_timer_t *timer)
 {
     struct listener *listener = timer->data;
+    int64_t now_ms = (int64_t)(clock_read_s(CLOCK_REALTIME) * 1000);
 
-    for (struct client *client = listener->clients; client; client = client->next)
+    for (struct client *client = listener->clients; client; client = client->next) {
+        client_identity_check(client, now_ms);
         client_check_stuck(client);
+    }
 }
 
 static void free_if_done(struct listener *listener)

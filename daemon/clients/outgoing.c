@@ -33,6 +33,15 @@ static void count(struct outgoing *outgoing, const struct outgoing_text *text, s
     outgoing->account->event_bytes += event_bytes;
 }
 
+void outgoing_change_account(struct outgoing *outgoing, struct client_account *account)
+{
+    outgoing->account->unread_bytes -= outgoing->unread_bytes;
+    outgoing->account->event_bytes -= outgoing->event_bytes;
+    account->unread_bytes += outgoing->unread_bytes;
+    account->event_bytes += outgoing->event_bytes;
+    outgoing->account = account;
+}
+
 void outgoing_add(struct outgoing *outgoing, struct shared_text *text, bool is_event)
 {
     struct outgoing_text *last = outgoing->count > 0 ? &outgoing->texts[outgoing->count - 1] : NULL;

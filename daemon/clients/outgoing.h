@@ -25,6 +25,8 @@ struct outgoing {
     int writes;          // under way
 };
 
+// What is unread counts there from here on; it has an account before.
+void outgoing_change_account(struct outgoing *outgoing, struct client_account *account);
 // Moves `text` in. The same text as the one before takes no further memory.
 void outgoing_add(struct outgoing *outgoing, struct shared_text *text, bool is_event);
 // Writes all that waits, in one write, unless one is under way; then, if `behind`, in one behind it. False: the stream

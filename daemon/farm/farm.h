@@ -7,6 +7,7 @@
 #include "daemon/schedule/plan_desk.h"
 #include "daemon/users/quota.h"
 #include "daemon/users/rights.h"
+#include "daemon/users/token_table.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -68,8 +69,11 @@ struct farm {
     int64_t started_ms;       // unix time
     int64_t shares_stored_ms; // monotonic; when the owners' use was stored last
     struct rights rights;
-    struct plan_desk desk;   // owned; the plans that are being made
-    struct farm_drain drain; // owned
+    struct token_table tokens;    // owned
+    int64_t wrong_tokens_told_ms; // monotonic; when the log was told of a wrong token last
+    int64_t wrong_tokens_untold;  // since then
+    struct plan_desk desk;        // owned; the plans that are being made
+    struct farm_drain drain;      // owned
     farm_reload *reload;
     void *reload_user;
     bool wants_feed; // a worker may take frames: they are assigned at the end of the iteration

@@ -18,6 +18,7 @@ static struct quota_amounts limits_of(const struct farm *farm)
 void limits_refresh(struct farm *farm)
 {
     rights_init(&farm->rights, farm->rights.daemon_uid, farm->options->admin_group);
+    rights_set_web_user(&farm->rights, farm->options->web_user);
     for (size_t i = 0; i < farm->quota.count; i++) {
         struct quota_user *user = farm->quota.users[i];
 

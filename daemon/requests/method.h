@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/requests/request.h"
+#include "daemon/users/access.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -36,6 +37,7 @@ struct method {
     const char *name; // NULL ends a table
     enum request_outcome (*handle)(struct request *request);
     const char *meaning;
+    enum access_need need;       // of the connection
     const struct member *params; // NULL: none
     // The result is this shape, an object of these members, or both: the shape's members and these. Neither: an empty
     // object.

@@ -6,6 +6,7 @@
 
 // Each ends in a method without a name.
 extern const struct method methods_of_daemon[];
+extern const struct method methods_of_tokens[];
 extern const struct method methods_of_jobs[];    // they tell of jobs
 extern const struct method methods_of_changes[]; // they change jobs
 

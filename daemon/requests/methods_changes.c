@@ -55,13 +55,16 @@ static const struct member priority_params[] = {
 };
 
 const struct method methods_of_changes[] = {
-    {"job.submit", requests_job_submit, "Takes a job.", .params = submit_params, .result = submit_result},
-    {"job.pause", requests_job_pause, "Begins none of its frames.", .params = id_params, .result_shape = &shape_job},
-    {"job.resume", requests_job_resume, "Ends a pause.", .params = id_params, .result_shape = &shape_job},
-    {"job.cancel", requests_job_cancel, "Ends a job.", .params = id_params, .result_shape = &shape_job},
-    {"job.retry", requests_job_retry, "Renders frames again.", .params = retry_params, .result = retry_result},
-    {"job.priority", requests_job_priority, "Changes a job's priority.", .params = priority_params,
+    {"job.submit", requests_job_submit, "Takes a job.", NEED_SUBMIT, .params = submit_params, .result = submit_result},
+    {"job.pause", requests_job_pause, "Begins none of its frames.", NEED_SUBMIT, .params = id_params,
      .result_shape = &shape_job},
-    {"job.delete", requests_job_delete, "Forgets a job.", .params = delete_params, .result = delete_result},
+    {"job.resume", requests_job_resume, "Ends a pause.", NEED_SUBMIT, .params = id_params, .result_shape = &shape_job},
+    {"job.cancel", requests_job_cancel, "Ends a job.", NEED_SUBMIT, .params = id_params, .result_shape = &shape_job},
+    {"job.retry", requests_job_retry, "Renders frames again.", NEED_SUBMIT, .params = retry_params,
+     .result = retry_result},
+    {"job.priority", requests_job_priority, "Changes a job's priority.", NEED_SUBMIT, .params = priority_params,
+     .result_shape = &shape_job},
+    {"job.delete", requests_job_delete, "Forgets a job.", NEED_SUBMIT, .params = delete_params,
+     .result = delete_result},
     {0},
 };

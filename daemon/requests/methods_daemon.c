@@ -46,12 +46,12 @@ static const struct member subscribe_params[] = {
 };
 
 const struct method methods_of_daemon[] = {
-    {"daemon.status", requests_daemon_status, "How the farm is.", .result = status_result},
-    {"daemon.drain", requests_daemon_drain, "Begins no frame from now on.", .result = running_result},
-    {"daemon.undrain", requests_daemon_undrain, "Ends a drain.", .result = running_result},
-    {"daemon.reload", requests_daemon_reload, "Reads the settings again.", .result = reload_result},
-    {"worker.list", requests_worker_list, "All workers.", .result = workers_result},
-    {"events.subscribe", requests_events_subscribe, "Sends notifications `event` from now on.",
+    {"daemon.status", requests_daemon_status, "How the farm is.", NEED_READ, .result = status_result},
+    {"daemon.drain", requests_daemon_drain, "Begins no frame from now on.", NEED_ADMIN, .result = running_result},
+    {"daemon.undrain", requests_daemon_undrain, "Ends a drain.", NEED_ADMIN, .result = running_result},
+    {"daemon.reload", requests_daemon_reload, "Reads the settings again.", NEED_ADMIN, .result = reload_result},
+    {"worker.list", requests_worker_list, "All workers.", NEED_READ, .result = workers_result},
+    {"events.subscribe", requests_events_subscribe, "Sends notifications `event` from now on.", NEED_READ,
      .params = subscribe_params},
     {0},
 };

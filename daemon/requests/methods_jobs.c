@@ -93,12 +93,13 @@ static const struct member log_result[] = {
 };
 
 const struct method methods_of_jobs[] = {
-    {"job.list", requests_job_list, "All jobs, or some.", .params = list_params, .result = list_result},
-    {"job.show", requests_job_show, "One job with its document.", .params = show_params, .result_shape = &shape_job,
-     .result = show_result},
-    {"job.frames", requests_job_frames, "Frames of a job.", .params = frames_params, .result = frames_result},
-    {"job.frame_map", requests_job_frame_map, "The state of each frame of a job in short.", .params = map_params,
-     .result = map_result},
-    {"job.log", requests_job_log, "Attempts at a job's frames.", .params = log_params, .result = log_result},
+    {"job.list", requests_job_list, "All jobs, or some.", NEED_READ, .params = list_params, .result = list_result},
+    {"job.show", requests_job_show, "One job with its document.", NEED_READ, .params = show_params,
+     .result_shape = &shape_job, .result = show_result},
+    {"job.frames", requests_job_frames, "Frames of a job.", NEED_READ, .params = frames_params,
+     .result = frames_result},
+    {"job.frame_map", requests_job_frame_map, "The state of each frame of a job in short.", NEED_READ,
+     .params = map_params, .result = map_result},
+    {"job.log", requests_job_log, "Attempts at a job's frames.", NEED_READ, .params = log_params, .result = log_result},
     {0},
 };

@@ -211,6 +211,19 @@ static const struct member phase_event_members[] = {
 static const struct shape shape_phase_event = {"phase_event", "How far a running frame is.",
                                                .members = phase_event_members};
 
+static const struct member token_members[] = {
+    {"id", "integer", .meaning = "its number, which no other token ever has", .min = 1},
+    {"name", "string", .meaning = "what its user calls it"},
+    {"scope", "string", .meaning = "what it is for", .names = access_scope_names},
+    {"created", "number", .meaning = "unix seconds"},
+    {"expires", "number?", .meaning = "unix seconds; null: never"},
+    {"last_used", "number?", .meaning = "unix seconds, to a minute; null: never"},
+    {"once", "boolean", .meaning = "it is for one use"},
+    {"user", "string", .meaning = "whose it is"},
+    {0},
+};
+static const struct shape shape_token = {"token", "A token without its text.", .members = token_members};
+
 static const char *const worker_event_name[] = {"worker", NULL};
 static const struct member worker_event_members[] = {
     {"type", "string", .meaning = "what happened", .names = worker_event_name},
@@ -233,10 +246,25 @@ static const struct shape *const event_variants[] = {&shape_job_event,    &shape
                                                      &shape_worker_event, &shape_deleted_event, NULL};
 static const struct shape shape_event = {"event", "The params of a notification `event`.", .variants = event_variants};
 
-const struct shape *const shapes[] = {
-    &shape_job,        &shape_frame,        &shape_worker,      &shape_attempt,      &shape_root,          &shape_store,
-    &shape_job_counts, &shape_frame_counts, &shape_node_counts, &shape_drain,        &shape_loop,          &shape_event,
-    &shape_job_event,  &shape_frame_event,  &shape_phase_event, &shape_worker_event, &shape_deleted_event, NULL};
+const struct shape *const shapes[] = {&shape_job,
+                                      &shape_frame,
+                                      &shape_worker,
+                                      &shape_attempt,
+                                      &shape_root,
+                                      &shape_store,
+                                      &shape_job_counts,
+                                      &shape_frame_counts,
+                                      &shape_node_counts,
+                                      &shape_drain,
+                                      &shape_loop,
+                                      &shape_event,
+                                      &shape_job_event,
+                                      &shape_frame_event,
+                                      &shape_phase_event,
+                                      &shape_worker_event,
+                                      &shape_deleted_event,
+                                      &shape_token,
+                                      NULL};
 
 const struct shape *shapes_find(const char *name, size_t length)
 {

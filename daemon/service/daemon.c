@@ -244,6 +244,7 @@ void daemon_destroy(struct daemon *daemon)
     late_sweep_finish(farm);
     free(farm->drain.user);
     quota_finish(&farm->quota);
+    token_table_finish(&farm->tokens);
     store_reader_close(farm->reader);
     store_close(daemon->store);
     // An open handle is a bug: its memory is about to be freed.

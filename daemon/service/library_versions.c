@@ -7,5 +7,6 @@
 void library_versions_print(FILE *out)
 {
     fprintf(out, "libuv %s\nSQLite %s\n", uv_version_string(), sqlite3_libversion());
-    fprintf(out, "libsystemd %s (compiled with)\n", SYSTEMD_VERSION); // it has no call that tells
+    // These have no call that tells.
+    fprintf(out, "libsystemd %s (compiled with)\nlibmd %s (compiled with)\n", SYSTEMD_VERSION, MD_VERSION);
 }

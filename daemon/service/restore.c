@@ -12,6 +12,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
+#include "daemon/farm/token_book.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/output/intent.h"
@@ -217,7 +218,7 @@ static void restore_ends(struct farm *farm)
 bool restore_farm(struct farm *farm, struct store *store, struct error *error)
 {
     struct restore_state state = {.farm = farm};
-    bool ok = shares_restore(farm, error) && root_settings_load(farm, error) &&
+    bool ok = shares_restore(farm, error) && token_book_restore(farm, error) && root_settings_load(farm, error) &&
               store_load(store, on_job, on_frame, &state, error);
 
     if (ok) root_settings_take(farm, &farm->options->output_roots, on_op, &state);

@@ -30,6 +30,7 @@ enum option_code {
     OPTION_FRAME_LIMIT,
     OPTION_STOP_TIMEOUT,
     OPTION_ADMIN_GROUP,
+    OPTION_WEB_USER,
     OPTION_USER_JOBS,
     OPTION_USER_FRAMES,
     OPTION_USER_PIXELS,
@@ -68,6 +69,7 @@ static const struct option long_options[] = {
     {"frame-limit", required_argument, NULL, OPTION_FRAME_LIMIT},
     {"stop-timeout", required_argument, NULL, OPTION_STOP_TIMEOUT},
     {"admin-group", required_argument, NULL, OPTION_ADMIN_GROUP},
+    {"web-user", required_argument, NULL, OPTION_WEB_USER},
     {"user-jobs", required_argument, NULL, OPTION_USER_JOBS},
     {"user-frames", required_argument, NULL, OPTION_USER_FRAMES},
     {"user-pixels", required_argument, NULL, OPTION_USER_PIXELS},
@@ -143,17 +145,6 @@ static bool add_path(const struct setter *setter, struct path_list *list, bool *
     if (!*has_given) path_list_finish(list);
     *has_given = true;
     path_list_add(list, made);
-    return true;
-}
-
-static bool set_group(struct options *options, const char *text, struct error *error)
-{
-    if (!*text) {
-        error_set(error, "--admin-group: expected a group's name, got nothing");
-        return false;
-    }
-    free(options->admin_group);
-    options->admin_group = xstrdup(text);
     return true;
 }
 
@@ -239,7 +230,9 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
     case OPTION_BACKEND:
         return options_value_backend(text, &options->backend, error);
     case OPTION_ADMIN_GROUP:
-        return set_group(options, text, error);
+        return options_value_name("admin-group", text, false, &options->admin_group, error);
+    case OPTION_WEB_USER:
+        return options_value_name("web-user", text, true, &options->web_user, error);
     case OPTION_USER_JOBS:
     case OPTION_USER_FRAMES:
     case OPTION_USER_PIXELS:
@@ -280,6 +273,7 @@ static bool set_defaults(struct options *options, const struct options_surroundi
 
     if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
     if (!options->admin_group) options->admin_group = xstrdup(OPTIONS_ADMIN_GROUP);
+    if (!options->web_user) options->web_user = xstrdup(OPTIONS_WEB_USER);
     if (!is_system && !home && (!options->state_folder || options->output_roots.count == 0)) {
         error_set(error, "HOME is not set: expected --state and --output-root");
         return false;
@@ -484,6 +478,7 @@ void options_finish(struct options *options)
     free(options->shader_folder);
     free(options->backend);
     free(options->admin_group);
+    free(options->web_user);
     free(options->backup_file);
     free(options->restore_file);
     free(options->config_file);

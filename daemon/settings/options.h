@@ -13,6 +13,7 @@
 struct error;
 
 #define OPTIONS_ADMIN_GROUP "marchd-admin" // unless a setting names another
+#define OPTIONS_WEB_USER "marchd-web"      // likewise
 
 // The surroundings that the defaults depend on. Borrowed; strings may be NULL.
 struct options_surroundings {
@@ -33,6 +34,7 @@ struct options {
     char *shader_folder; // NULL: the shaders inside the worker
     char *backend;       // "auto", "egl", "osmesa" or "software"
     char *admin_group;   // name of a group
+    char *web_user;      // name of the user of march-web; empty: none
     int worker_count;    // of this machine; 0: one per core, -1: none
     int thread_count;    // of one worker
     int max_attempts;

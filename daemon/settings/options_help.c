@@ -35,6 +35,7 @@ const char options_help[] =
     "  --frame-limit SECONDS   a frame is ended after this time, unless its job states another (86400)\n"
     "  --stop-timeout SECONDS  time for running frames when the daemon stops (30)\n"
     "  --admin-group NAME      members may change every job and have no limits (marchd-admin)\n"
+    "  --web-user NAME         its connections have no rights but those of tokens; empty: nobody's (marchd-web)\n"
     "  --user-jobs N           jobs of one user that are not over, or none for no limit (1000)\n"
     "  --user-frames N         frames of those jobs that are not done, or none (1M)\n"
     "  --user-pixels N         pixels of those frames, like 500G, or none (none)\n"

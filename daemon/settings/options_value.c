@@ -87,6 +87,17 @@ bool options_value_switch(const char *name, const char *text, bool *is_on, struc
     return false;
 }
 
+bool options_value_name(const char *name, const char *text, bool may_be_empty, char **value, struct error *error)
+{
+    if (!*text && !may_be_empty) {
+        error_set(error, "--%s: expected a name, got nothing", name);
+        return false;
+    }
+    free(*value);
+    *value = xstrdup(text);
+    return true;
+}
+
 bool options_value_backend(const char *text, char **backend, struct error *error)
 {
     if (strcmp(text, "auto") != 0 && strcmp(text, "egl") != 0 && strcmp(text, "osmesa") != 0 &&

@@ -20,5 +20,7 @@ bool options_value_limit(const char *name, const char *text, int64_t kilo, int64
                          struct error *error);
 bool options_value_memory(const char *name, const char *text, int64_t *size_bytes, struct error *error); // "auto": 0
 bool options_value_switch(const char *name, const char *text, bool *is_on, struct error *error);         // yes or no
+// The name of a user or group; replaces an owned string.
+bool options_value_name(const char *name, const char *text, bool may_be_empty, char **value, struct error *error);
 bool options_value_backend(const char *text, char **backend, struct error *error); // replaces an owned string
 bool options_value_level(const char *text, enum log_level *level, struct error *error);

@@ -98,6 +98,7 @@ void reload_take(struct options *current, struct options *fresh, struct reload_c
     take_list(&current->output_roots, &fresh->output_roots, "output-root", changes);
     take_list(&current->input_roots, &fresh->input_roots, "input-root", changes);
     take_text(&current->admin_group, &fresh->admin_group, "admin-group", changes);
+    take_text(&current->web_user, &fresh->web_user, "web-user", changes);
     take_integer(&attempts, fresh->max_attempts, "max-attempts", changes);
     take_integer(&current->stop_timeout_ms, fresh->stop_timeout_ms, "stop-timeout", changes);
     take_integer(&current->progress_limit_ms, fresh->progress_limit_ms, "progress-limit", changes);

@@ -15,6 +15,7 @@
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
 #include "daemon/store/store_sum.h"
+#include "daemon/store/store_tokens.h"
 
 #include <inttypes.h>
 #include <sqlite3.h>
@@ -397,6 +398,10 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return set_root(store, &op->root, error);
     case STORE_SET_USAGE:
         return set_usage(store, &op->usage, error);
+    case STORE_SET_TOKEN:
+        return store_tokens_set(store->db, &op->token, error);
+    case STORE_DELETE_TOKEN:
+        return store_tokens_delete(store->db, op->token.id, error);
     case STORE_RESET_FRAMES:
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
     case STORE_SET_MARKS:

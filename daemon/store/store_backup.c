@@ -9,6 +9,7 @@
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
 #include "daemon/store/store_sum.h"
+#include "daemon/store/store_tokens.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -218,9 +219,9 @@ static bool give_to_owner(const char *folder, const char *path, struct error *er
 static bool put_in_place(const char *folder, sqlite3 *db, bool *has_counts, struct error *error)
 {
     char *ready = xasprintf("%s/" STORE_RESTORED_NAME, folder), *counts = xasprintf("%s/counts", folder);
-    bool ok = store_backup_write(db, ready, 0, error) && give_to_owner(folder, ready, error) &&
-              raise_counts(db, folder, has_counts, error) && give_to_owner(folder, counts, error) &&
-              switch_files(folder, error);
+    bool ok = store_backup_write(db, ready, 0, error) && store_tokens_forget(ready, error) &&
+              give_to_owner(folder, ready, error) && raise_counts(db, folder, has_counts, error) &&
+              give_to_owner(folder, counts, error) && switch_files(folder, error);
 
     if (ok && !sync_folder_of(ready)) {
         error_set_errno(error, errno, "cannot sync %s", folder);

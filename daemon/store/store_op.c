@@ -23,6 +23,14 @@ static void finish_job(struct store_job *job)
     free(job->root);
 }
 
+static void finish_token(struct store_token *token)
+{
+    free(token->hash);
+    free(token->name);
+    free(token->owner);
+    free(token->scope);
+}
+
 void store_op_finish(struct store_op *op)
 {
     switch (op->kind) {
@@ -45,6 +53,10 @@ void store_op_finish(struct store_op *op)
         free(op->root.id);
         break;
     case STORE_SET_USAGE:
+        break;
+    case STORE_SET_TOKEN:
+    case STORE_DELETE_TOKEN:
+        finish_token(&op->token);
         break;
     case STORE_RESET_FRAMES:
         free(op->reset.indices);

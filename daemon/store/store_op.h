@@ -24,7 +24,9 @@ enum store_op_kind {
     STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
     STORE_SET_MARKS,    // writes the marks of all frames of a job, as far as they change
     STORE_SET_ROOT,     // writes the row of an output root, new or in place of the old one
-    STORE_SET_USAGE     // writes what an owner used of the farm, likewise
+    STORE_SET_USAGE,    // writes what an owner used of the farm, likewise
+    STORE_SET_TOKEN,    // writes the row of a token, likewise
+    STORE_DELETE_TOKEN  // deletes the row of the token `token.id`, whose id is not used again
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
@@ -87,6 +89,17 @@ struct store_usage {
     int64_t at_ms; // unix time
 };
 
+struct store_token {
+    int64_t id;
+    char *hash;  // owned; of its text, which the store does not have
+    char *name;  // owned
+    char *owner; // owned; user name
+    int64_t owner_uid;
+    char *scope;                             // owned; a word
+    int64_t created_ms, expires_ms, used_ms; // unix time; 0: never
+    bool is_once;
+};
+
 // An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
@@ -97,6 +110,7 @@ struct store_op {
         struct store_plan plan;
         struct store_root root;
         struct store_usage usage;
+        struct store_token token;
         struct {
             int64_t job;
             int32_t *indices; // owned; fastest when ascending

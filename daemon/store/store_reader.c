@@ -235,3 +235,9 @@ bool store_read_usage(struct store_reader *reader, store_on_usage *on_usage, voi
     sqlite3_reset(rows);
     return ok;
 }
+
+bool store_read_tokens(struct store_reader *reader, store_on_token *on_token, void *user, int64_t *last_id,
+                       struct error *error)
+{
+    return store_tokens_read(reader->db, on_token, user, last_id, error);
+}

@@ -4,6 +4,7 @@
 
 #include "core/job/root_marker.h"
 #include "daemon/store/store.h"
+#include "daemon/store/store_tokens.h"
 
 struct store_reader;
 
@@ -28,6 +29,9 @@ typedef bool store_on_root(void *user, const struct store_root *root, struct err
 bool store_read_roots(struct store_reader *reader, store_on_root *on_root, void *user, struct error *error); // by path
 typedef bool store_on_usage(void *user, const struct store_usage *usage, struct error *error);
 bool store_read_usage(struct store_reader *reader, store_on_usage *on_usage, void *user, struct error *error); // by uid
+// As store_tokens_read.
+bool store_read_tokens(struct store_reader *reader, store_on_token *on_token, void *user, int64_t *last_id,
+                       struct error *error);
 // The newest plan of the key; its text is owned by the caller. `*number` is 0 and `*text` NULL where there is none.
 bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
                      struct error *error);

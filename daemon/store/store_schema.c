@@ -70,6 +70,11 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
     // Before, each marked frame had a row: one that is queued, canceled or failed, and says nothing else.
     [9] = "CREATE TABLE mark (job INTEGER NOT NULL, block INTEGER NOT NULL, marks BLOB NOT NULL, sum INTEGER,"
           " PRIMARY KEY (job, block)) WITHOUT ROWID;",
+    // AUTOINCREMENT: who revokes a token by its id never revokes a later one.
+    [10] = "CREATE TABLE token ("
+           "    id INTEGER PRIMARY KEY AUTOINCREMENT, hash TEXT NOT NULL, name TEXT NOT NULL, owner TEXT NOT NULL,"
+           "    owner_uid INTEGER NOT NULL, scope TEXT NOT NULL, created_ms INTEGER NOT NULL,"
+           "    expires_ms INTEGER NOT NULL, used_ms INTEGER NOT NULL, is_once INTEGER NOT NULL, sum INTEGER);",
 };
 
 #define FILL(table, columns) "UPDATE " table " SET sum = row_sum(" columns ");"

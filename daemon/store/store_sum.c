@@ -19,6 +19,7 @@ const struct store_table store_tables[] = {
     {"plan", STORE_SCHEMA_PLAN_COLUMNS, "number", true, 9, "the plan is made again"},
     {"root", STORE_SCHEMA_ROOT_COLUMNS, "path", true, 9, "the root is known by its marker"},
     {"usage", STORE_SCHEMA_USAGE_COLUMNS, "owner_uid", true, 9, "the owner's use of the farm begins anew"},
+    {"token", STORE_SCHEMA_TOKEN_COLUMNS, "id", true, STORE_SCHEMA_FIRST_WITH_TOKENS, "the token is no longer one"},
     {0}};
 
 static const char lost_sql[] = "SELECT (SELECT count(*) FROM document WHERE job NOT IN (SELECT id FROM job))"

@@ -34,6 +34,20 @@ void rights_init(struct rights *rights, int64_t daemon_uid, const char *admin_gr
     if (rights->admin_gid < 0 && admin_group) log_debug("the admin group \"%s\" does not exist", admin_group);
 }
 
+void rights_set_web_user(struct rights *rights, const char *name)
+{
+    struct passwd entry, *found = NULL;
+    char text[4096];
+
+    rights->has_web = name && *name && getpwnam_r(name, &entry, text, sizeof text, &found) == 0 && found;
+    rights->web_uid = rights->has_web ? (int64_t)entry.pw_uid : -1;
+}
+
+bool rights_is_web_user(const struct rights *rights, const struct rights_peer *peer)
+{
+    return rights->has_web && rights_is_known(peer) && peer->uid == rights->web_uid;
+}
+
 bool rights_is_known(const struct rights_peer *peer)
 {
     return peer->uid >= 0 && peer->uid != RIGHTS_OVERFLOW_UID;
@@ -41,7 +55,7 @@ bool rights_is_known(const struct rights_peer *peer)
 
 bool rights_is_admin(const struct rights *rights, const struct rights_peer *peer)
 {
-    if (!rights_is_known(peer)) return false;
+    if (!rights_is_known(peer) || peer->is_ordinary) return false;
     if (peer->uid == 0 || peer->uid == rights->daemon_uid) return true;
     for (size_t i = 0; i < peer->group_count && rights->admin_gid >= 0; i++)
         if (peer->groups[i] == rights->admin_gid) return true;

@@ -49,6 +49,16 @@ ask job.resume "{\"id\":$behind}" >/dev/null
 ask job.cancel "{\"id\":$behind}" >/dev/null
 look "$behind"
 expect_error "$(ask job.pause "{\"id\":$behind}")" 3 "was canceled"
+# Tokens in all states.
+for params in '{"scope":"read"}' '{"scope":"submit","name":"a","expires_s":1000,"once":false}' '{"scope":"admin","once":true}'; do
+    token=$(ask token.create "$params" | jq -r .result.token)
+    ask token.list >/dev/null
+    ask auth.token "{\"token\":\"$token\"}" >/dev/null
+done
+ask token.list >/dev/null
+ask auth.drop >/dev/null
+ask auth.token '{"token":"wrong"}' >/dev/null
+ask token.revoke "{\"id\":$(ask token.list | jq '.result.tokens[0].id')}" >/dev/null
 check params "$socket" "$id"
 stop_daemon
 

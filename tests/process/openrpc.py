@@ -138,6 +138,11 @@ def error_of(answer):
     return answer.get("error", {"code": 0, "message": ""})
 
 
+def right_value(schema):
+    """A value that the schema allows."""
+    return schema["enum"][0] if "enum" in schema else {"integer": 0, "string": "x"}.get(schema.get("type"), {})
+
+
 def wrong_values(schema):
     """Values that the schema does not allow."""
     yield {"nonsense": 1} if schema.get("type") != "object" else 7
@@ -153,7 +158,7 @@ def check_params(book, path, job):
         first = {}
         for param in method["params"]:
             if param["required"]:
-                first[param["name"]] = int(job) if param["name"] == "id" else 0 if param["schema"].get("type") == "integer" else {}
+                first[param["name"]] = int(job) if param["name"] == "id" else right_value(param["schema"])
         error = error_of(Daemon(path).ask(name, {**first, "nonsense_of_a_test": 1}))
         if error["code"] != -32602 or "nonsense_of_a_test" not in error["message"]:
             book.faults.append(f"{name}: an unknown parameter is answered with {error}")

@@ -297,7 +297,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     path = write_config(state, text);
     assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
     options_finish(&told);
-    assert_int_equal(uncomment(text), 23);
+    assert_int_equal(uncomment(text), 24);
     path = write_config(state, text);
     assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
     assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
