@@ -4,8 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/nearest_name.h"
-#include "daemon/settings/options_file.h"
-#include "daemon/settings/options_value.h"
+#include "core/settings/options_file.h"
+#include "core/settings/options_value.h"
 
 #include <getopt.h>
 #include <stdlib.h>

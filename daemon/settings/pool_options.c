@@ -4,8 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/schedule_json.h"
-#include "daemon/settings/option_words.h"
-#include "daemon/settings/options_value.h"
+#include "core/settings/option_words.h"
+#include "core/settings/options_value.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "daemon/settings/options_value.h"
+#include "core/settings/options_value.h"
 
 #include <ctype.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "daemon/settings/option_words.h"
+#include "core/settings/option_words.h"
 
 #include <stdbool.h>
 #include <stdint.h>

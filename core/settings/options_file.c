@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/settings/options_file.h"
+#include "core/settings/options_file.h"
 
 #include "core/base/error.h"
 #include "core/base/file.h"

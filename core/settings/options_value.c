@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/settings/options_value.h"
+#include "core/settings/options_value.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"

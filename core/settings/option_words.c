@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/settings/option_words.h"
+#include "core/settings/option_words.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
