@@ -1,0 +1,30 @@
+// The HTTP server: connections, their limits and times, and which route answers a request.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/http/http_request.h"
+#include "web/http/http_socket.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <uv.h>
+
+struct error;
+struct http_origins;
+struct http_server;
+
+struct http_server_params {
+    uv_loop_t *loop; // these are borrowed and outlive us
+    const char *address;
+    const struct http_origins *origins;
+    const struct http_route *routes; // the first that fits answers; ends where `path` is NULL
+    const struct http_socket_handlers *sockets;
+    void *sockets_user;
+    size_t connection_limit; // of all
+    size_t address_limit;    // of one address
+};
+
+struct http_server *http_server_open(const struct http_server_params *params, struct error *error);
+int http_server_port(const struct http_server *server);
+// Ends all connections. Frees itself when the loop has closed what it has; accepts NULL.
+void http_server_close(struct http_server *server);

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/http/http_socket.h"
+
+#include "core/base/alloc.h"
+#include "core/wire/message_stream.h"
+#include "web/http/http_connection.h"
+#include "web/http/http_socket_events.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { TURN_LIMIT = 64, CLOSE_TIME_MS = 10000 };
+
+// A message that waits.
+struct outgoing {
+    struct outgoing *next; // on the socket's list
+    size_t length;
+    unsigned char bytes[]; // LWS_PRE bytes of room, then the text
+};
+
+struct http_socket {
+    struct http_connection *connection; // borrowed; outlives us
+    const struct http_socket_handlers *handlers;
+    void *user, *link;              // borrowed; `link` is NULL before on_open
+    struct outgoing *first, **last; // owned
+    size_t waiting_bytes;
+    bool was_full, is_paused;
+    char *message; // owned; what has come of the one that is read
+    size_t message_length, message_capacity;
+    enum http_socket_code close_code; // 0: it is open
+    const char *close_reason;         // static
+};
+
+struct http_socket *http_socket_create(struct http_connection *connection, const struct http_socket_handlers *handlers,
+                                       void *user)
+{
+    struct http_socket *socket = xcalloc(1, sizeof *socket);
+
+    *socket = (struct http_socket){.connection = connection, .handlers = handlers, .user = user};
+    socket->last = &socket->first;
+    return socket;
+}
+
+static void drop_first(struct http_socket *socket)
+{
+    struct outgoing *first = socket->first;
+
+    socket->first = first->next;
+    if (!socket->first) socket->last = &socket->first;
+    socket->waiting_bytes -= first->length;
+    free(first);
+}
+
+void http_socket_destroy(struct http_socket *socket)
+{
+    if (!socket) return;
+    if (socket->link) socket->handlers->on_closed(socket->link);
+    while (socket->first)
+        drop_first(socket);
+    free(socket->message);
+    free(socket);
+}
+
+void http_socket_send(struct http_socket *socket, const char *text, size_t length)
+{
+    struct outgoing *outgoing;
+
+    if (socket->close_code) return;
+    outgoing = xmalloc(sizeof *outgoing + LWS_PRE + length);
+    outgoing->next = NULL;
+    outgoing->length = length;
+    memcpy(outgoing->bytes + LWS_PRE, text, length);
+    *socket->last = outgoing;
+    socket->last = &outgoing->next;
+    socket->waiting_bytes += length;
+    if (http_socket_is_full(socket)) socket->was_full = true;
+    lws_callback_on_writable(socket->connection->wsi);
+}
+
+bool http_socket_is_full(const struct http_socket *socket)
+{
+    return socket->waiting_bytes > HTTP_SOCKET_WAITING_LIMIT;
+}
+
+void http_socket_pause(struct http_socket *socket, bool is_paused)
+{
+    if (socket->is_paused == is_paused) return;
+    socket->is_paused = is_paused;
+    lws_rx_flow_control(socket->connection->wsi, is_paused ? 0 : 1);
+}
+
+void http_socket_close(struct http_socket *socket, enum http_socket_code code, const char *reason)
+{
+    if (socket->close_code) return;
+    socket->close_code = code;
+    socket->close_reason = reason;
+    http_connection_wait(socket->connection, CLOSE_TIME_MS);
+    lws_callback_on_writable(socket->connection->wsi);
+}
+
+int http_socket_on_established(struct http_socket *socket, const char *token)
+{
+    http_connection_wait(socket->connection, 0);
+    socket->link = socket->handlers->on_open(socket->user, socket, token);
+    return 0;
+}
+
+// Says why, with the connection's end.
+static int end(struct http_socket *socket, enum http_socket_code code, const char *reason)
+{
+    lws_close_reason(socket->connection->wsi, (enum lws_close_status)code, (unsigned char *)reason, strlen(reason));
+    return -1;
+}
+
+int http_socket_on_receive(struct http_socket *socket, const char *bytes, size_t size)
+{
+    struct lws *wsi = socket->connection->wsi;
+
+    if (socket->close_code) return 0;
+    if (lws_frame_is_binary(wsi)) return end(socket, HTTP_SOCKET_NO_TEXT, "expected text");
+    if (socket->message_length + size > MESSAGE_LINE_LIMIT)
+        return end(socket, HTTP_SOCKET_TOO_BIG, "a message has at most 4 MiB");
+    socket->message = xgrow(socket->message, &socket->message_capacity, socket->message_length + size + 1, 1);
+    memcpy(socket->message + socket->message_length, bytes, size);
+    socket->message_length += size;
+    if (!lws_is_final_fragment(wsi)) return 0;
+    socket->message[socket->message_length] = '\0';
+    if (socket->link) socket->handlers->on_message(socket->link, socket->message, socket->message_length);
+    free(socket->message);
+    socket->message = NULL;
+    socket->message_length = socket->message_capacity = 0;
+    return 0;
+}
+
+int http_socket_on_writable(struct http_socket *socket)
+{
+    struct lws *wsi = socket->connection->wsi;
+
+    for (int i = 0; i < TURN_LIMIT && socket->first && !lws_send_pipe_choked(wsi); i++) {
+        if (lws_write(wsi, socket->first->bytes + LWS_PRE, socket->first->length, LWS_WRITE_TEXT) < 0) return -1;
+        drop_first(socket);
+    }
+    if (socket->first) {
+        lws_callback_on_writable(wsi);
+    } else if (socket->close_code) {
+        return end(socket, socket->close_code, socket->close_reason);
+    }
+    if (socket->was_full && !http_socket_is_full(socket)) {
+        socket->was_full = false;
+        if (socket->link) socket->handlers->on_drained(socket->link);
+    }
+    return 0;
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/program/web.h"
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "web/http/http_server.h"
+#include "web/http/http_walls.h"
+#include "web/program/web_check.h"
+#include "web/routes/route_files.h"
+#include "web/settings/web_options.h"
+
+#include <signal.h>
+#include <systemd/sd-daemon.h>
+#include <uv.h>
+
+enum { ROUTE_COUNT = 8 };
+
+struct web {
+    uv_loop_t loop;
+    uv_signal_t terminated, interrupted;
+    struct http_origins origins;
+    struct http_server *server;
+    struct route_files files;
+    struct http_route routes[ROUTE_COUNT];
+};
+
+static void on_signal(uv_signal_t *handle, int number);
+
+static void answer_health(struct http_request *request, void *user)
+{
+    (void)user;
+    http_request_answer(request,
+                        &(struct http_answer){.type = "text/plain; charset=utf-8", .bytes = "ok\n", .size_bytes = 3});
+}
+
+static void lay_out(struct web *web, const struct web_options *options)
+{
+    const struct http_route routes[ROUTE_COUNT] = {
+        {.method = "GET", .path = "/", .answer = route_files_front, .user = &web->files},
+        {.method = "GET", .path = "/page/", .is_prefix = true, .answer = route_files_page, .user = &web->files},
+        {.method = "GET", .path = "/vendor/chart.js", .answer = route_files_chart, .user = &web->files},
+        {.method = "GET", .path = "/openrpc.json", .answer = route_files_document, .user = &web->files},
+        {.method = "GET", .path = "/schema.json", .answer = route_files_document, .user = &web->files},
+        {.method = "GET", .path = "/healthz", .answer = answer_health},
+    };
+
+    web->files = (struct route_files){.page_folder = options->page_folder,
+                                      .document_folder = options->document_folder,
+                                      .chart_file = options->chart_file};
+    for (int i = 0; i < ROUTE_COUNT; i++)
+        web->routes[i] = routes[i];
+}
+
+static void watch_signal(struct web *web, uv_signal_t *handle, int number)
+{
+    uv_signal_init(&web->loop, handle);
+    handle->data = web;
+    uv_signal_start(handle, on_signal, number);
+}
+
+static void stop(struct web *web)
+{
+    http_server_close(web->server);
+    web->server = NULL;
+    uv_close((uv_handle_t *)&web->terminated, NULL);
+    uv_close((uv_handle_t *)&web->interrupted, NULL);
+}
+
+static void on_signal(uv_signal_t *handle, int number)
+{
+    struct web *web = handle->data;
+
+    if (!web->server) return;
+    log_info("ends: signal %d", number);
+    sd_notify(0, "STOPPING=1");
+    stop(web);
+}
+
+static void announce(const struct web *web, const struct web_options *options)
+{
+    log_info("listens at %s (port %d), for the daemon at %s", options->listen, http_server_port(web->server),
+             options->socket_path);
+    sd_notify(0, "READY=1");
+}
+
+bool web_run(const struct web_options *options, struct error *error)
+{
+    struct web web = {0};
+    struct http_server_params params = {.loop = &web.loop,
+                                        .address = options->listen,
+                                        .origins = &web.origins,
+                                        .routes = web.routes,
+                                        .connection_limit = (size_t)options->connection_limit,
+                                        .address_limit = (size_t)options->address_limit};
+    bool is_begun;
+
+    signal(SIGPIPE, SIG_IGN);
+    uv_loop_init(&web.loop);
+    lay_out(&web, options);
+    watch_signal(&web, &web.terminated, SIGTERM);
+    watch_signal(&web, &web.interrupted, SIGINT);
+    if (web_check_options(options, &web.origins, error)) web.server = http_server_open(&params, error);
+    is_begun = web.server;
+    if (is_begun)
+        announce(&web, options);
+    else
+        stop(&web);
+    uv_run(&web.loop, UV_RUN_DEFAULT);
+    uv_loop_close(&web.loop);
+    http_origins_finish(&web.origins);
+    return is_begun;
+}

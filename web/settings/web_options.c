@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/settings/web_options.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/nearest_name.h"
+#include "core/settings/options_file.h"
+#include "core/settings/options_value.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { CONNECTION_LIMIT = 16384 };
+
+enum option_code {
+    OPTION_CONFIG = 256,
+    OPTION_CHECK_CONFIG,
+    OPTION_SYSTEM,
+    OPTION_SOCKET,
+    OPTION_LISTEN,
+    OPTION_ORIGIN,
+    OPTION_PAGE_DIR,
+    OPTION_DOCUMENT_DIR,
+    OPTION_CHART_FILE,
+    OPTION_CONNECTIONS,
+    OPTION_ADDRESS_CONNECTIONS,
+    OPTION_LOG_LEVEL,
+    OPTION_HELP,
+    OPTION_VERSION
+};
+
+static const struct option long_options[] = {
+    {"config", required_argument, NULL, OPTION_CONFIG},
+    {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
+    {"system", no_argument, NULL, OPTION_SYSTEM},
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"listen", required_argument, NULL, OPTION_LISTEN},
+    {"origin", required_argument, NULL, OPTION_ORIGIN},
+    {"page-dir", required_argument, NULL, OPTION_PAGE_DIR},
+    {"document-dir", required_argument, NULL, OPTION_DOCUMENT_DIR},
+    {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
+    {"connections", required_argument, NULL, OPTION_CONNECTIONS},
+    {"address-connections", required_argument, NULL, OPTION_ADDRESS_CONNECTIONS},
+    {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
+    {"help", no_argument, NULL, OPTION_HELP},
+    {"version", no_argument, NULL, OPTION_VERSION},
+    {NULL, 0, NULL, 0},
+};
+
+// Whom mistakes are told to.
+struct mistakes {
+    web_options_on_mistake *tell;
+    void *user;
+    size_t count;
+};
+
+// A source of options: the command line or the file.
+struct setter {
+    struct web_options *options;
+    struct mistakes *mistakes;
+    const char *current_folder; // NULL: paths must be absolute
+    bool has_origins;           // the source has set some: it adds more to them
+};
+
+static bool set_path(const struct setter *setter, char **path, const char *name, const char *text, struct error *error)
+{
+    size_t length;
+
+    if (!*text || (text[0] != '/' && !setter->current_folder)) {
+        error_set(error, "--%s: expected an absolute path, got \"%s\"", name, text);
+        return false;
+    }
+    free(*path);
+    *path = text[0] == '/' ? xstrdup(text) : xasprintf("%s/%s", setter->current_folder, text);
+    for (length = strlen(*path); length > 1 && (*path)[length - 1] == '/'; length--)
+        (*path)[length - 1] = '\0';
+    return true;
+}
+
+static void drop_origins(struct web_options *options)
+{
+    for (size_t i = 0; i < options->origin_count; i++)
+        free(options->origins[i]);
+    free(options->origins);
+    options->origins = NULL;
+    options->origin_count = options->origin_capacity = 0;
+}
+
+// The first origin of a source replaces those of the sources before it.
+static void add_origin(struct setter *setter, const char *text)
+{
+    struct web_options *options = setter->options;
+
+    if (!setter->has_origins) drop_origins(options);
+    setter->has_origins = true;
+    options->origins =
+        xgrow(options->origins, &options->origin_capacity, options->origin_count + 1, sizeof options->origins[0]);
+    options->origins[options->origin_count++] = xstrdup(text);
+}
+
+static bool set_option(struct setter *setter, int code, const char *text, struct error *error)
+{
+    struct web_options *options = setter->options;
+
+    switch (code) {
+    case OPTION_CHECK_CONFIG:
+        options->wants_check = true;
+        return true;
+    case OPTION_SOCKET:
+        return set_path(setter, &options->socket_path, "socket", text, error);
+    case OPTION_LISTEN:
+        free(options->listen);
+        options->listen = xstrdup(text);
+        return true;
+    case OPTION_ORIGIN:
+        add_origin(setter, text);
+        return true;
+    case OPTION_PAGE_DIR:
+        return set_path(setter, &options->page_folder, "page-dir", text, error);
+    case OPTION_DOCUMENT_DIR:
+        return set_path(setter, &options->document_folder, "document-dir", text, error);
+    case OPTION_CHART_FILE:
+        return set_path(setter, &options->chart_file, "chart-file", text, error);
+    case OPTION_CONNECTIONS:
+        return options_value_count("connections", text, CONNECTION_LIMIT, &options->connection_limit, error);
+    case OPTION_ADDRESS_CONNECTIONS:
+        return options_value_count("address-connections", text, CONNECTION_LIMIT, &options->address_limit, error);
+    default:
+        return options_value_level(text, &options->log_level, error);
+    }
+}
+
+static bool is_setting(const struct option *option)
+{
+    return option->has_arg == required_argument && option->val != OPTION_CONFIG;
+}
+
+static void fail_unknown(const char *key, struct error *error)
+{
+    const char *names[OPTION_VERSION - OPTION_CONFIG + 1] = {NULL}, *nearest;
+    size_t count = 0;
+
+    for (const struct option *option = long_options; option->name; option++)
+        if (is_setting(option)) names[count++] = option->name;
+    nearest = nearest_name_find(key, names);
+    if (nearest)
+        error_set(error, "%s: there is no such setting, did you mean %s?", key, nearest);
+    else
+        error_set(error, "%s: there is no such setting, see march-web --help", key);
+}
+
+static bool on_setting(void *user, const char *key, const char *value, struct error *error)
+{
+    struct setter *setter = user;
+
+    for (const struct option *option = long_options; option->name; option++)
+        if (is_setting(option) && strcmp(option->name, key) == 0) return set_option(setter, option->val, value, error);
+    fail_unknown(key, error);
+    return false;
+}
+
+static void on_mistake(void *user, const char *mistake)
+{
+    struct mistakes *mistakes = ((struct setter *)user)->mistakes;
+
+    mistakes->count++;
+    mistakes->tell(mistakes->user, mistake);
+}
+
+// The file that is read where the command line names none; NULL: none. Owned by the caller.
+static char *find_file(const struct web_surroundings *surroundings, bool is_system)
+{
+    const char *folder = surroundings->xdg_config_home;
+    char *path = NULL;
+
+    if (is_system)
+        path = surroundings->config_path ? xstrdup(surroundings->config_path) : NULL;
+    else if (folder && *folder == '/')
+        path = xasprintf("%s/march-web.conf", folder);
+    else if (surroundings->home)
+        path = xasprintf("%s/.config/march-web.conf", surroundings->home);
+    if (path && access(path, F_OK) == 0) return path;
+    free(path);
+    return NULL;
+}
+
+static bool read_file(const struct setter *line, const struct web_surroundings *surroundings, const char *named,
+                      bool is_system, struct error *error)
+{
+    // Paths in a file must be absolute: the current folder may be any.
+    struct setter setter = {.options = line->options, .mistakes = line->mistakes};
+    struct options_file_handlers handlers = {.on_setting = on_setting, .on_mistake = on_mistake, .user = &setter};
+    char **path = &line->options->config_file;
+
+    if (!named) *path = find_file(surroundings, is_system);
+    if (named && !set_path(line, path, "config", named, error)) return false;
+    if (*path) options_file_read(*path, &handlers);
+    return true;
+}
+
+// The options that are needed before the others.
+struct first_pass {
+    const char *config;
+    bool is_system;
+};
+
+// One pass over the command line. The first, with `first`, only fills that.
+static bool parse_line(struct setter *setter, int argc, char **argv, struct first_pass *first, struct error *error)
+{
+    struct web_options *options = setter->options;
+    int code;
+
+    optind = 0;
+    opterr = 0;
+    while ((code = getopt_long(argc, argv, "+:", long_options, NULL)) != -1) {
+        if (code == OPTION_HELP) options->wants_help = true;
+        if (code == OPTION_VERSION) options->wants_version = true;
+        if (code == OPTION_HELP || code == OPTION_VERSION) return true;
+        if (code == '?' || code == ':') {
+            error_set(error, code == ':' ? "%s: expected a value after it" : "%s: there is no such option, see --help",
+                      argv[optind - 1]);
+            return false;
+        }
+        if (code == OPTION_CONFIG && first) first->config = optarg;
+        if (code == OPTION_SYSTEM && first) first->is_system = true;
+        if (code != OPTION_CONFIG && code != OPTION_SYSTEM && !first && !set_option(setter, code, optarg, error))
+            return false;
+    }
+    if (optind == argc) return true;
+    error_set(error, "%s: expected options only, see --help", argv[optind]);
+    return false;
+}
+
+static bool set_defaults(struct web_options *options, const struct web_surroundings *surroundings, bool is_system,
+                         struct error *error)
+{
+    if (!options->listen) options->listen = xstrdup("127.0.0.1:8470");
+    if (!options->page_folder) options->page_folder = xasprintf("%s/marchd/page", surroundings->data_folder);
+    if (!options->document_folder) options->document_folder = xasprintf("%s/marchd", surroundings->data_folder);
+    if (!options->chart_file) options->chart_file = xstrdup("/usr/share/javascript/chart.js/chart.min.js");
+    if (options->socket_path) return true;
+    if (is_system)
+        options->socket_path = xstrdup("/run/marchd/marchd.sock");
+    else if (surroundings->xdg_runtime_dir)
+        options->socket_path = xasprintf("%s/marchd.sock", surroundings->xdg_runtime_dir);
+    else if (surroundings->xdg_state_home)
+        options->socket_path = xasprintf("%s/marchd/marchd.sock", surroundings->xdg_state_home);
+    else if (surroundings->home)
+        options->socket_path = xasprintf("%s/.local/state/marchd/marchd.sock", surroundings->home);
+    if (!options->socket_path) error_set(error, "HOME is not set: expected --socket");
+    return options->socket_path;
+}
+
+static bool read_all(struct setter *setter, int argc, char **argv, const struct web_surroundings *surroundings,
+                     struct error *error)
+{
+    struct first_pass first = {.is_system = surroundings->is_root};
+    const char *socket = surroundings->marchd_socket;
+
+    if (!parse_line(setter, argc, argv, &first, error)) return false;
+    if (setter->options->wants_help || setter->options->wants_version) return true;
+    if (!read_file(setter, surroundings, first.config, first.is_system, error)) return false;
+    if (socket && *socket && !set_path(setter, &setter->options->socket_path, "socket", socket, error)) return false;
+    if (!parse_line(setter, argc, argv, NULL, error)) return false;
+    return set_defaults(setter->options, surroundings, first.is_system, error);
+}
+
+bool web_options_read(struct web_options *options, int argc, char **argv, const struct web_surroundings *surroundings,
+                      web_options_on_mistake *tell, void *user)
+{
+    struct mistakes mistakes = {.tell = tell, .user = user};
+    struct setter setter = {.options = options, .mistakes = &mistakes, .current_folder = surroundings->current_folder};
+    struct error error = {0};
+
+    *options = (struct web_options){.connection_limit = 1024, .address_limit = 512, .log_level = LOG_INFO};
+    if (!read_all(&setter, argc, argv, surroundings, &error)) on_mistake(&setter, error.message);
+    if (mistakes.count == 0) return true;
+    web_options_finish(options);
+    return false;
+}
+
+void web_options_finish(struct web_options *options)
+{
+    free(options->socket_path);
+    free(options->listen);
+    free(options->page_folder);
+    free(options->document_folder);
+    free(options->chart_file);
+    free(options->config_file);
+    drop_origins(options);
+    *options = (struct web_options){0};
+}

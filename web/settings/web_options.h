@@ -1,0 +1,43 @@
+// Options of march-web, from the command line, the environment, a file and defaults, in that order of precedence.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/base/log.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+
+// The surroundings that the defaults depend on. Borrowed; strings may be NULL.
+struct web_surroundings {
+    const char *home, *xdg_config_home, *xdg_runtime_dir, *xdg_state_home, *marchd_socket; // environment variables
+    const char *config_path;    // the system's file: read for root and with --system, unless --config names another
+    const char *current_folder; // absolute; relative paths start there
+    const char *data_folder;    // where the installed page is
+    bool is_root;
+};
+
+// Strings are owned, paths are absolute. The zero value is empty.
+struct web_options {
+    char *socket_path; // the daemon's
+    char *listen;      // "127.0.0.1:8470"
+    char *page_folder;
+    char *document_folder; // of openrpc.json and schema.json
+    char *chart_file;      // the charting library
+    char **origins;        // as written; checked by who uses them
+    size_t origin_count, origin_capacity;
+    int connection_limit, address_limit;
+    enum log_level log_level;
+    char *config_file;              // NULL, or the file whose settings were read
+    bool wants_check;               // only the settings are to be checked
+    bool wants_help, wants_version; // when true, nothing else is filled
+};
+
+// Called with each mistake of the command line, the environment and the file.
+typedef void web_options_on_mistake(void *user, const char *mistake);
+
+// False after a mistake; then the options are empty. After one of the file, its other lines are checked, too.
+bool web_options_read(struct web_options *options, int argc, char **argv, const struct web_surroundings *surroundings,
+                      web_options_on_mistake *on_mistake, void *user);
+void web_options_finish(struct web_options *options); // accepts the empty value
