@@ -55,6 +55,8 @@ static const struct command commands[] = {
      command_workers},
     {"status", "", 0, 0, DAEMON, "Shows how the daemon is: its jobs, roots, and how long the turns of its loop are.",
      "march status", command_status},
+    {"metrics", "", 0, 0, DAEMON, "Prints what the daemon counts, as text that Prometheus reads.",
+     "march metrics | promtool check metrics", command_metrics},
     {"drain", "", 0, 0, DAEMON | BIT(WAIT),
      "Has the daemon finish the frames that run and begin none, until `march undrain` or a restart; for "
      "administrators.",

@@ -19,6 +19,7 @@ struct error;
 struct events;
 struct loop_turns;
 struct memory_return;
+struct metrics;
 struct options;
 struct publisher;
 struct reload_changes;
@@ -41,6 +42,7 @@ typedef bool farm_reload(void *user, const char *asked_by, struct reload_changes
 struct farm {
     uv_loop_t *loop;
     struct loop_turns *turns;
+    struct metrics *metrics;
     struct work_desk *work;        // what requests do off the loop
     struct root_desks *root_desks; // what jobs do in output roots, likewise
     struct memory_return *memory;

@@ -115,6 +115,18 @@ struct job_record *job_table_find(const struct job_table *table, int64_t id)
     return i < table->count && table->records[i]->id == id ? table->records[i] : NULL;
 }
 
+struct job_facts job_facts_of(const struct job *job)
+{
+    struct job_facts facts = {.is_draft = job->quality.is_draft,
+                              .method = job->quality.method,
+                              .frame_pixels = (int64_t)job->width_px * job->height_px,
+                              .tolerance = job->quality.tolerance,
+                              .frame_limit_ms = (int64_t)(job->frame_limit * 1000)};
+
+    memcpy(facts.hash, job->hash, sizeof facts.hash);
+    return facts;
+}
+
 struct log_subject job_record_subject(const struct job_record *record)
 {
     return (struct log_subject){.job = record->id, .owner = record->owner};

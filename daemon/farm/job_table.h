@@ -5,6 +5,7 @@
 #include "core/base/log.h"
 #include "core/job/frame_set.h"
 #include "core/job/input_roots.h"
+#include "core/job/job.h"
 #include "core/job/job_notes.h"
 #include "core/job/output_path.h"
 #include "daemon/farm/root_table.h"
@@ -16,6 +17,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+// What of the document the daemon needs at hand. The zero value: it cannot be read.
+struct job_facts {
+    bool is_draft;             // its quality is draft
+    enum job_method method;    // that it states; auto: the planner chooses
+    int64_t frame_pixels;      // pixels of one frame
+    char hash[HASH_TEXT_SIZE]; // of its pictures
+    double tolerance;          // of a frame's measured error; 0: none
+    int64_t frame_limit_ms;    // time of an attempt at a frame; 0: the farm's
+};
+
+struct job_facts job_facts_of(const struct job *job);
 
 // A record lives until it is removed from the table and nobody holds it. Threads may read what never changes: id, root,
 // path, and path and id of the output root.
@@ -29,16 +42,14 @@ struct job_record {
     struct root *output_root;                      // borrowed from the farm; `root` is its path
     struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
+    int64_t served_ms;                             // unix time; when a frame of it ran last; 0: not since the start
+    bool is_served;                                // a frame of it ran when served_ms was noted
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     struct job_paths inputs;                       // owned; the files that it reads
     char *pool;                                    // owned; name or tag of its pools; NULL: any
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
-    bool is_draft;                                 // its quality is draft
+    struct job_facts facts;                        // of its document
     bool has_old_parts;                            // it is from before this start: part files may be left of it
-    int64_t frame_pixels;                          // pixels of one frame
-    char hash[HASH_TEXT_SIZE];                     // of its pictures
-    double tolerance;                              // of a frame's measured error; 0: none
-    int64_t frame_limit_ms;                        // time of an attempt at a frame; 0: the farm's
     int64_t disk_bytes;                            // size of its published files
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // its share of what the owner has

@@ -36,7 +36,7 @@ void limits_count_job(struct farm *farm, struct job_record *record)
     quota_set(record->user, &record->share,
               (struct quota_amounts){.jobs = is_live,
                                      .frames = frames,
-                                     .pixels = frames * record->frame_pixels,
+                                     .pixels = frames * record->facts.frame_pixels,
                                      .disk_bytes = record->disk_bytes});
 }
 
@@ -66,7 +66,7 @@ bool limits_check_retry(const struct farm *farm, const struct job_record *record
 {
     const struct quota_amounts limits = limits_of(farm);
     const struct quota_amounts added = {
-        .jobs = !queue_job_is_live(record->queued), .frames = frames, .pixels = frames * record->frame_pixels};
+        .jobs = !queue_job_is_live(record->queued), .frames = frames, .pixels = frames * record->facts.frame_pixels};
 
     if (frames == 0) return true;
     return by_admin ? quota_check_disk(record->user, &limits, error)

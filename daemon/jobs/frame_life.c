@@ -9,6 +9,7 @@
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
+#include "daemon/jobs/frame_metrics.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/late_sweep.h"
 #include "daemon/jobs/plan_life.h"
@@ -117,6 +118,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     enum retry_action action = decide(farm, end);
     enum frame_state state;
 
+    if (end->is_started) frame_metrics_note_fault(farm, end->worker, end->fault);
     switch (action) {
     case RETRY_FRAME:
     case RETRY_FAIL_FRAME:
@@ -184,11 +186,14 @@ static void note_pace(struct worker_process *worker, struct job_record *record, 
         estimate_add_pace(&record->estimate, seconds, report->weight);
 }
 
-static void note_planned(struct worker_process *worker, struct job_record *record, int64_t frame_count)
+static void note_planned(struct farm *farm, struct worker_process *worker, struct job_record *record,
+                         int64_t frame_count)
 {
     double seconds = pace_end_plan(&worker->pace, uv_hrtime());
 
-    if (seconds >= 0) estimate_add_plan(&record->estimate, seconds, frame_count);
+    if (seconds < 0) return;
+    estimate_add_plan(&record->estimate, seconds, frame_count);
+    frame_metrics_note_plan(farm, worker, seconds);
 }
 
 static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
@@ -199,6 +204,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .worker = worker->id,
                                       .seen_by_ns =
                                           worker->node ? uv_hrtime() + PUBLISHER_SEEN_MS * UINT64_C(1000000) : 0,
+                                      .reported_ns = uv_hrtime(),
                                       .epoch = farm->epoch,
                                       .file = report->file,
                                       .render_s = report->render_s,
@@ -217,13 +223,14 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
         return;
     }
     remove_frame(farm, worker, frame);
+    if (!report->is_found) frame_metrics_note_frame(farm, worker, report, record);
     estimate_add(&record->estimate, report->render_s + report->audit_s);
     publisher_put(farm->publisher, &request);
 }
 
 static void note_accuracy(const struct publish_request *request)
 {
-    if (frame_accuracy_is_over(&request->accuracy, request->record->tolerance))
+    if (frame_accuracy_is_over(&request->accuracy, request->record->facts.tolerance))
         queue_note_missed(request->record->queued, request->ticket.index);
 }
 
@@ -305,7 +312,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         note_phase(farm, record, frame, FRAME_PHASE_PLAN, 0.0);
         return;
     case WORKER_REPORT_PLANNED:
-        note_planned(worker, record, report->planned_frames);
+        note_planned(farm, worker, record, report->planned_frames);
         note_phase(farm, record, frame, FRAME_PHASE_RENDER, 0.0);
         return;
     case WORKER_REPORT_PHASE:
@@ -355,6 +362,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
         worker->suspect_code ? xasprintf("%s: does density in %s end?", reason, worker->suspect_code) : NULL;
 
     log_disarm(log);
+    frame_metrics_note_end(farm, worker);
     while (worker->in_flight.count > 0) {
         struct in_flight_frame frame = worker->in_flight.frames[0];
         struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);
@@ -410,6 +418,7 @@ static void note_found(struct farm *farm, const struct publish_request *request)
 {
     if (!queue_skip(farm->queue, &request->ticket)) return;
     note_accuracy(request);
+    frame_metrics_note_published(farm, request);
     farm_store(farm, publish_request_format_op(request, FRAME_SKIPPED));
     events_send_frame(farm->events, &request->ticket, FRAME_SKIPPED, NULL);
 }
@@ -427,6 +436,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
         note_found(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         note_accuracy(request);
+        frame_metrics_note_published(farm, request);
         request->record->root_doubts = 0;
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         farm_store(farm, publish_request_format_op(request, FRAME_SUCCEEDED));

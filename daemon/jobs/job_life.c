@@ -6,6 +6,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
+#include "daemon/jobs/frame_metrics.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -31,6 +32,14 @@ static void end_job(struct farm *farm, struct job_record *record)
     sweeper_sweep_job(farm->sweeper, record);
 }
 
+static void note_service(struct job_record *record)
+{
+    bool is_served = record->queued->states.counts[FRAME_RUNNING] > 0;
+
+    if (is_served || record->is_served || !queue_job_is_live(record->queued)) record->served_ms = farm_clock_ms();
+    record->is_served = is_served;
+}
+
 void job_life_note_change(struct farm *farm, struct job_record *record)
 {
     bool is_live = queue_job_is_live(record->queued);
@@ -38,8 +47,10 @@ void job_life_note_change(struct farm *farm, struct job_record *record)
     limits_count_job(farm, record);
     if (record->queued->has_started && record->started_ms == 0) {
         record->started_ms = farm_clock_ms();
+        frame_metrics_note_start(farm, record);
         farm_store_job(farm, record);
     }
+    note_service(record);
     if (!is_live && record->finished_ms == 0) record->finished_ms = farm_clock_ms();
     if (!is_live && record->frames_in_flight == 0 && !record->is_ending) end_job(farm, record);
     events_note_job(farm->events, record);

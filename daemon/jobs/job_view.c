@@ -233,7 +233,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     json_write_integer_member(writer, "id", record->id);
     json_write_string_member(writer, "name", record->name);
     json_write_string_member(writer, "state", job_state_name(queue_job_state(queued)));
-    json_write_bool_member(writer, "draft", record->is_draft);
+    json_write_bool_member(writer, "draft", record->facts.is_draft);
     json_write_integer_member(writer, "priority", queued->priority);
     json_write_string_member(writer, "owner", record->owner);
     json_write_integer_member(writer, "owner_uid", record->owner_uid);

@@ -49,7 +49,7 @@ static struct plan_key find_key(const struct job_record *record, const char *seg
 {
     struct plan_key key = {.owner_uid = record->owner_uid};
 
-    memcpy(key.scene, record->hash, sizeof key.scene);
+    memcpy(key.scene, record->facts.hash, sizeof key.scene);
     memccpy(key.segment, segment, 0, sizeof key.segment - 1);
     return key;
 }

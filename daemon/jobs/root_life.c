@@ -162,7 +162,7 @@ static void note_published(struct farm *farm, struct job_record *record, const s
                                         .attempt = row->attempts};
     struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
 
-    if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
+    if (frame_accuracy_is_over(&row->accuracy, record->facts.tolerance)) queue_note_missed(record->queued, row->index);
     op.frame.state = FRAME_SUCCEEDED;
     farm_store(farm, op);
     record->disk_bytes += (int64_t)row->size_bytes;

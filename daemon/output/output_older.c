@@ -27,7 +27,7 @@ static bool has_pictures(const struct job_record *record)
 {
     const int64_t *counts = record->queued->states.counts;
 
-    return !record->is_draft && counts[FRAME_SUCCEEDED] + counts[FRAME_SKIPPED] > 0;
+    return !record->facts.is_draft && counts[FRAME_SUCCEEDED] + counts[FRAME_SKIPPED] > 0;
 }
 
 bool output_older_is_likely(const struct job_table *table, const struct job_files *files, const char *hash)
@@ -38,7 +38,7 @@ bool output_older_is_likely(const struct job_table *table, const struct job_file
     for (size_t i = 0; (record = job_table_next_neighbour(table, files, &i));) {
         const struct job_files others = job_record_files(record);
 
-        if (has_pictures(record) && strcmp(record->hash, hash) != 0 && job_files_collide(files, &others, &frame))
+        if (has_pictures(record) && strcmp(record->facts.hash, hash) != 0 && job_files_collide(files, &others, &frame))
             return true;
     }
     return false;
@@ -169,7 +169,7 @@ bool output_older_step(struct output_older *older, const struct job_table *table
         while (k < publisher_count && !has_published(publishers[k], older->files, frame))
             k++;
         names += k + 1;
-        if (k < publisher_count && strcmp(publishers[k]->hash, older->hash) != 0)
+        if (k < publisher_count && strcmp(publishers[k]->facts.hash, older->hash) != 0)
             note_replaced(older, frame, publishers[k]);
     }
     free(publishers);

@@ -28,9 +28,10 @@ struct publish_request {
     bool is_found; // the file has its name already, says the worker: it is only looked at; `file` has no inode
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
-    int worker;          // id of the worker that rendered it
-    uint64_t seen_by_ns; // monotonic; until then the file of another machine is awaited; 0: it was written here
-    int64_t epoch;       // of the part file
+    int worker;           // id of the worker that rendered it
+    uint64_t seen_by_ns;  // monotonic; until then the file of another machine is awaited; 0: it was written here
+    uint64_t reported_ns; // monotonic; when the worker said that it is there; 0: unknown
+    int64_t epoch;        // of the part file
     struct published_file file;
     double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;

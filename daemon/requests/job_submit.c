@@ -47,12 +47,8 @@ struct job_submit {
     struct job_inputs inputs;  // owned; the same, below their roots
     char *code, *pool;         // owned; as in struct job_record
     struct job_notes notes;    // owned, until the record has them
-    bool is_draft;
-    int64_t frame_pixels;
-    char hash[HASH_TEXT_SIZE];
-    double tolerance;
+    struct job_facts facts;
     struct frame_order order;
-    int64_t frame_limit_ms;
     struct quota_user *user;    // borrowed; the owner
     struct quota_amounts share; // its share of what the owner has, until the record has one
     int failure;                // enum message_code of `error`; 0: none
@@ -221,12 +217,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     reading->answer = NULL;
     reading->document = NULL;
     reading->paths = (struct job_paths){0};
-    submit->is_draft = job->quality.is_draft;
-    submit->frame_pixels = (int64_t)job->width_px * job->height_px;
-    memcpy(submit->hash, job->hash, sizeof submit->hash);
-    submit->tolerance = job->quality.tolerance;
+    submit->facts = job_facts_of(job);
     submit->order = job->order;
-    submit->frame_limit_ms = (int64_t)(job->frame_limit * 1000);
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
@@ -335,7 +327,7 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     submit->claim = (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames, &submit->marks},
                                           .name = submit->row.name};
     if (job->output.existing == JOB_EXISTING_VERIFY)
-        output_older_begin(&submit->older, &request->farm->jobs, &submit->claim.files, submit->hash);
+        output_older_begin(&submit->older, &request->farm->jobs, &submit->claim.files, submit->facts.hash);
     submit->task.step = on_step;
     output_claims_add(request->farm, &submit->claim);
     submit->piece = (struct work_piece){.run = on_folder_run, .done = on_folder_done, .uid = submit->row.owner_uid};
@@ -449,10 +441,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     submit->paths = (struct job_paths){0};
     record->code = submit->code;
     record->pool = submit->pool;
-    record->is_draft = submit->is_draft;
-    record->frame_pixels = submit->frame_pixels;
-    memcpy(record->hash, submit->hash, sizeof record->hash);
-    record->tolerance = submit->tolerance;
+    record->facts = submit->facts;
     record->queued = queue_add_job(farm->queue, &(struct queue_job_params){.id = row->id,
                                                                            .owner_uid = row->owner_uid,
                                                                            .frames = &submit->frames,
@@ -460,7 +449,6 @@ static struct job_record *queue_submit(struct job_submit *submit)
                                                                            .barred = barred,
                                                                            .is_paused = row->is_paused,
                                                                            .order = &submit->order});
-    record->frame_limit_ms = submit->frame_limit_ms;
     shares_set_weight(farm, row->owner_uid, record->owner);
     record->sent_state = JOB_STATE_COUNT;
     root_life_note_job(farm, record);

@@ -23,6 +23,11 @@ static const struct member status_result[] = {
     {0},
 };
 
+static const struct member metrics_result[] = {
+    {"families", "family[]", .meaning = "what is counted, of all labels"},
+    {0},
+};
+
 static const struct member running_result[] = {
     {"running", "integer", .meaning = "frames that run"},
     {0},
@@ -47,6 +52,8 @@ static const struct member subscribe_params[] = {
 
 const struct method methods_of_daemon[] = {
     {"daemon.status", requests_daemon_status, "How the farm is.", NEED_READ, .result = status_result},
+    {"daemon.metrics", requests_daemon_metrics, "What the daemon counts, for Prometheus and the like.", NEED_READ,
+     .result = metrics_result},
     {"daemon.drain", requests_daemon_drain, "Begins no frame from now on.", NEED_ADMIN, .result = running_result},
     {"daemon.undrain", requests_daemon_undrain, "Ends a drain.", NEED_ADMIN, .result = running_result},
     {"daemon.reload", requests_daemon_reload, "Reads the settings again.", NEED_ADMIN, .result = reload_result},

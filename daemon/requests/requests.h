@@ -14,6 +14,7 @@ extern const char *const job_list_orders[]; // of job.list; end in NULL
 
 // The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);
+enum request_outcome requests_daemon_metrics(struct request *request);
 enum request_outcome requests_daemon_drain(struct request *request);
 enum request_outcome requests_daemon_undrain(struct request *request);
 enum request_outcome requests_daemon_reload(struct request *request);

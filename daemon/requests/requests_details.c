@@ -275,7 +275,7 @@ static void write_accuracy(struct details_task *task, const struct frame_accurac
 {
     struct frame_accuracy accuracy = *stored;
 
-    accuracy.is_missed = frame_accuracy_is_over(&accuracy, task->record->tolerance);
+    accuracy.is_missed = frame_accuracy_is_over(&accuracy, task->record->facts.tolerance);
     frame_accuracy_write(&accuracy, &task->value);
 }
 

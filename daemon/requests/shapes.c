@@ -176,6 +176,36 @@ static const struct member loop_members[] = {
 static const struct shape shape_loop = {"loop", "Turns of the daemon's loop since its start, in processor time.",
                                         .members = loop_members};
 
+static const struct member sample_members[] = {
+    {"labels", "object", .meaning = "texts by their names"},
+    {"value", "number", .meaning = "now"},
+    {0},
+};
+static const struct shape shape_sample = {"sample", "A counter or a gauge.", .members = sample_members};
+
+static const struct member histogram_members[] = {
+    {"labels", "object", .meaning = "texts by their names"},
+    {"buckets", "number[][]", .meaning = "pairs of an upper end, and how many observations are up to it"},
+    {"sum", "number", .meaning = "of the observations"},
+    {"count", "integer", .meaning = "all observations"},
+    {0},
+};
+static const struct shape shape_histogram = {"histogram", "Observations by their size.", .members = histogram_members};
+
+static const struct shape *const any_sample[] = {&shape_sample, &shape_histogram, NULL};
+static const struct shape shape_any_sample = {"any_sample", "A sample or a histogram, by the family's type.",
+                                              .variants = any_sample};
+
+static const char *const family_type_names[] = {"counter", "gauge", "histogram", NULL};
+static const struct member family_members[] = {
+    {"name", "string", .meaning = "of letters, digits and _"},
+    {"type", "string", .meaning = "what its samples are", .names = family_type_names},
+    {"help", "string", .meaning = "one sentence"},
+    {"samples", "any_sample[]", .meaning = "by their labels"},
+    {0},
+};
+static const struct shape shape_family = {"family", "Samples of one name.", .members = family_members};
+
 static const char *const job_event_name[] = {"job", NULL};
 static const struct member job_event_members[] = {
     {"type", "string", .meaning = "what happened", .names = job_event_name},
@@ -257,6 +287,10 @@ const struct shape *const shapes[] = {&shape_job,
                                       &shape_node_counts,
                                       &shape_drain,
                                       &shape_loop,
+                                      &shape_sample,
+                                      &shape_histogram,
+                                      &shape_any_sample,
+                                      &shape_family,
                                       &shape_event,
                                       &shape_job_event,
                                       &shape_frame_event,

@@ -21,6 +21,7 @@
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
+#include "daemon/metrics/metrics.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/root_watch.h"
 #include "daemon/output/sweeper.h"
@@ -198,6 +199,7 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     farm->loop = &daemon->loop;
     farm->options = options;
     farm->queue = queue_create(options->max_attempts);
+    farm->metrics = xcalloc(1, sizeof *farm->metrics);
     farm->started_ms = farm_clock_ms();
     farm->rights.daemon_uid = geteuid();
     farm->reload = on_reload_request;
@@ -243,6 +245,7 @@ void daemon_destroy(struct daemon *daemon)
     plan_desk_finish(&farm->desk);
     late_sweep_finish(farm);
     free(farm->drain.user);
+    free(farm->metrics);
     quota_finish(&farm->quota);
     token_table_finish(&farm->tokens);
     store_reader_close(farm->reader);

@@ -100,12 +100,8 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->finished_ms = llabs(row->finished_ms);
     record->is_ending = record->is_swept = row->finished_ms != 0;
     record->needs_sweep = row->finished_ms < 0;
-    record->is_draft = job.quality.is_draft;
+    record->facts = job_facts_of(&job);
     record->has_old_parts = true;
-    record->frame_pixels = (int64_t)job.width_px * job.height_px;
-    memcpy(record->hash, job.hash, sizeof record->hash);
-    record->tolerance = job.quality.tolerance;
-    record->frame_limit_ms = (int64_t)(job.frame_limit * 1000);
     record->queued = queue_add_job(farm->queue, &(struct queue_job_params){.id = row->id,
                                                                            .owner_uid = row->owner_uid,
                                                                            .frames = &job.frames,
@@ -146,7 +142,7 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
         if (row->state == FRAME_QUEUED) queue_force_frame(state->record->queued, row->index);
         if (row->state == FRAME_SUCCEEDED) note_published(state->record, row);
-        if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->tolerance))
+        if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->facts.tolerance))
             queue_note_missed(state->record->queued, row->index);
         return true;
     }
@@ -190,7 +186,8 @@ static void finish_publish(struct restore_state *state, const struct store_frame
     }
     if (is_done) {
         note_published(record, row);
-        if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
+        if (frame_accuracy_is_over(&row->accuracy, record->facts.tolerance))
+            queue_note_missed(record->queued, row->index);
         op.frame.state = FRAME_SUCCEEDED;
     } else {
         op = store_op_reset_frame(row->job, row->index);

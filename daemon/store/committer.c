@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "daemon/metrics/histogram.h"
 #include "daemon/store/store.h"
 
 #include <assert.h>
@@ -25,6 +26,7 @@ struct commit_batch {
     size_t op_count, op_capacity;
     struct commit_entry *entries; // owned
     size_t entry_count, entry_capacity;
+    uint64_t since_ns; // monotonic; when the first of the ops was put
 };
 
 struct committer {
@@ -37,8 +39,9 @@ struct committer {
     bool is_due;               // a try is due, even without ops
     bool result, probe_result; // set by the thread
     struct error error;        // set by the thread: of the commit or the probe
-    bool has_failed;           // the latest commit failed
-    struct error trouble;      // empty: none
+    struct histogram seconds;
+    bool has_failed;      // the latest commit failed
+    struct error trouble; // empty: none
     committer_on_trouble *on_trouble;
     void *watcher; // borrowed
 };
@@ -111,6 +114,7 @@ void committer_put(struct committer *committer, enum commit_policy policy, struc
 {
     struct commit_batch *batch = &committer->gathering;
 
+    if (batch->entry_count == 0) batch->since_ns = uv_hrtime();
     if (op_count > 0) {
         batch->ops = xgrow(batch->ops, &batch->op_capacity, batch->op_count + op_count, sizeof *batch->ops);
         memcpy(batch->ops + batch->op_count, ops, op_count * sizeof *ops);
@@ -133,6 +137,11 @@ void committer_flush(struct committer *committer, committer_on_done *on_done, vo
 size_t committer_waiting(const struct committer *committer)
 {
     return committer->gathering.op_count + committer->in_flight.op_count;
+}
+
+const struct histogram *committer_seconds(const struct committer *committer)
+{
+    return &committer->seconds;
 }
 
 bool committer_is_idle(const struct committer *committer)
@@ -220,6 +229,8 @@ static void end_success(struct committer *committer)
     // The callbacks put new ops, which start the next batch: in_flight must be free before.
     struct commit_batch batch = committer->in_flight;
 
+    if (batch.op_count > 0)
+        histogram_add(&committer->seconds, &histogram_latency_s, (double)(uv_hrtime() - batch.since_ns) / 1e9);
     committer->in_flight = (struct commit_batch){0};
     committer->has_failed = !committer->probe_result && store_has_reserve(committer->store);
     if (committer->has_failed)
@@ -262,6 +273,7 @@ static void end_failure(struct committer *committer)
         if (entry.policy == COMMIT_SILENT) entry.on_done = NULL;
         kept.entries[kept.entry_count++] = entry;
     }
+    kept.since_ns = batch.since_ns;
     committer->in_flight = kept;
     for (size_t i = 0; i < batch.entry_count; i++) {
         if (batch.entries[i].policy == COMMIT_OR_DROP || batch.entries[i].policy == COMMIT_REPORTED)

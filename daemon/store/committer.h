@@ -9,6 +9,7 @@
 
 struct committer;
 struct error;
+struct histogram;
 struct store;
 struct store_op;
 
@@ -39,4 +40,6 @@ bool committer_is_idle(const struct committer *committer);
 // without, what is in flight is committed by means of the reserve.
 const char *committer_trouble(const struct committer *committer);
 bool committer_has_failed(const struct committer *committer);
+// Seconds from a change until it is on disk, of the oldest change of each commit; histogram_latency_s.
+const struct histogram *committer_seconds(const struct committer *committer);
 void committer_close(struct committer *committer); // legal once idle

@@ -17,7 +17,7 @@ void worker_clock_check(struct farm *farm, struct worker_process *worker, int64_
     if (record) {
         job.median_s = estimate_median_s(&record->estimate);
         job.known = estimate_count(&record->estimate);
-        job.stated_limit_ms = record->frame_limit_ms;
+        job.stated_limit_ms = record->facts.frame_limit_ms;
     }
     verdict = liveness_check(&worker->liveness, &job, now_ms, reason);
     if (verdict == LIVENESS_ALIVE || worker->end_reason) return;

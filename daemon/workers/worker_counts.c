@@ -5,7 +5,6 @@
 #include "daemon/farm/job_table.h"
 #include "daemon/workers/worker_nodes.h"
 #include "daemon/workers/worker_process.h"
-#include "daemon/workers/worker_slot.h"
 
 #include <string.h>
 
@@ -19,6 +18,15 @@ void worker_counts_find_ready(const struct worker_slot *slots, int slot_count, i
     memset(ready, 0, TURNS_KIND_LIMIT * sizeof ready[0]);
     for (int i = 0; i < slot_count; i++)
         ready[slots[i].seat.kind] += is_ready(&slots[i]);
+}
+
+struct worker_counts worker_counts_of(const struct worker_slot *slots, int slot_count)
+{
+    struct worker_counts counts = {0};
+
+    for (int i = 0; i < slot_count; i++)
+        counts.slots[slots[i].seat.kind][worker_slot_state(&slots[i])]++;
+    return counts;
 }
 
 // The slots of a node follow one another.

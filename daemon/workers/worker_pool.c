@@ -408,6 +408,11 @@ void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TU
     worker_counts_find_ready(pool->slots, pool->slot_count, ready);
 }
 
+struct worker_counts worker_pool_count_slots(const struct worker_pool *pool)
+{
+    return worker_counts_of(pool->slots, pool->slot_count);
+}
+
 void worker_pool_count_nodes(const struct worker_pool *pool, int *up, int *waiting)
 {
     worker_counts_find_nodes(pool->slots, pool->slot_count, up, waiting);

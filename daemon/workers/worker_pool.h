@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/schedule/turns.h"
+#include "daemon/workers/worker_counts.h"
 #include "daemon/workers/worker_process.h"
 #include "daemon/workers/worker_turns.h"
 
@@ -41,6 +42,7 @@ void worker_pool_destroy(struct worker_pool *pool);        // after the loop clo
 int worker_pool_slot_count(const struct worker_pool *pool);
 // As the functions of worker_counts.h.
 void worker_pool_count_ready(const struct worker_pool *pool, int ready[static TURNS_KIND_LIMIT]);
+struct worker_counts worker_pool_count_slots(const struct worker_pool *pool);
 void worker_pool_count_nodes(const struct worker_pool *pool, int *up, int *waiting);
 int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred);
 char *worker_pool_format_trouble(const struct worker_pool *pool, const struct job_record *record);

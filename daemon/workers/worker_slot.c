@@ -8,6 +8,9 @@
 
 #include <stdlib.h>
 
+const char *const worker_slot_state_names[WORKER_SLOT_STATE_COUNT] = {"starting",    "idle",     "busy",
+                                                                      "backing_off", "stopping", "waiting"};
+
 void worker_slot_finish(struct worker_slot *slot)
 {
     free(slot->reason);
@@ -20,13 +23,13 @@ void worker_slot_set_reason(struct worker_slot *slot, char *reason)
     slot->reason = reason;
 }
 
-static const char *state_name(const struct worker_slot *slot)
+enum worker_slot_state worker_slot_state(const struct worker_slot *slot)
 {
-    if (!slot->worker && slot->node && node_state(slot->node) != NODE_READY) return "waiting";
-    if (!slot->worker) return "backing_off";
-    if (slot->worker->state == WORKER_STARTING) return "starting";
-    if (slot->worker->state == WORKER_STOPPING) return "stopping";
-    return slot->worker->in_flight.count > 0 ? "busy" : "idle";
+    if (!slot->worker && slot->node && node_state(slot->node) != NODE_READY) return WORKER_SLOT_WAITING;
+    if (!slot->worker) return WORKER_SLOT_BACKING_OFF;
+    if (slot->worker->state == WORKER_STARTING) return WORKER_SLOT_STARTING;
+    if (slot->worker->state == WORKER_STOPPING) return WORKER_SLOT_STOPPING;
+    return slot->worker->in_flight.count > 0 ? WORKER_SLOT_BUSY : WORKER_SLOT_IDLE;
 }
 
 static void write_process(const struct worker_process *worker, struct json_writer *writer)
@@ -60,7 +63,7 @@ void worker_slot_write(const struct worker_slot *slot, int id, struct json_write
         json_write_integer(writer, worker_process_pid(slot->worker));
     else
         json_write_null(writer);
-    json_write_string_member(writer, "state", state_name(slot));
+    json_write_string_member(writer, "state", worker_slot_state_names[worker_slot_state(slot)]);
     write_process(slot->worker, writer);
     json_write_integer_member(writer, "done", slot->done + (slot->worker ? slot->worker->done : 0));
     json_write_string_member(writer, "reason", reason ? reason : slot->reason);

@@ -12,6 +12,18 @@ struct json_writer;
 struct node;
 struct worker_process;
 
+enum worker_slot_state {
+    WORKER_SLOT_STARTING,
+    WORKER_SLOT_IDLE,
+    WORKER_SLOT_BUSY,
+    WORKER_SLOT_BACKING_OFF,
+    WORKER_SLOT_STOPPING,
+    WORKER_SLOT_WAITING, // for its node
+    WORKER_SLOT_STATE_COUNT
+};
+
+extern const char *const worker_slot_state_names[WORKER_SLOT_STATE_COUNT];
+
 // The zero value is empty.
 struct worker_slot {
     struct node *node;             // borrowed; where its workers run; NULL: on this machine
@@ -27,5 +39,6 @@ struct worker_slot {
 
 void worker_slot_finish(struct worker_slot *slot);                   // legal when no worker runs
 void worker_slot_set_reason(struct worker_slot *slot, char *reason); // takes ownership; NULL: none
+enum worker_slot_state worker_slot_state(const struct worker_slot *slot);
 // The object *worker* of docs/protocol.md.
 void worker_slot_write(const struct worker_slot *slot, int id, struct json_writer *writer);

@@ -28,6 +28,7 @@ look()
     ask job.log "{\"id\":$1}" >/dev/null
     ask worker.list >/dev/null
     ask daemon.status >/dev/null
+    ask daemon.metrics >/dev/null
 }
 
 # Frames that are planned and take long: running, paused, drained, canceled.

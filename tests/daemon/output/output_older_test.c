@@ -60,7 +60,7 @@ static struct job_record *add(int64_t id, const char *hash, int64_t finished_ms)
     record = job_table_add(&table, id, xstrdup("/out"), &own);
     record->name = xstrdup("ash");
     record->finished_ms = finished_ms;
-    snprintf(record->hash, sizeof record->hash, "%s", hash);
+    snprintf(record->facts.hash, sizeof record->facts.hash, "%s", hash);
     record->queued = queue_add_job(queue, &(struct queue_job_params){.id = id, .frames = &range, .priority = 50});
     for (int64_t i = 3; i < 6; i++)
         queue_restore_frame(record->queued, i, FRAME_SUCCEEDED, 1);
@@ -119,7 +119,7 @@ static void the_job_that_ended_last_made_the_file(void **state)
 
 static void drafts_are_replaced(void **state)
 {
-    add(7, "old", 1)->is_draft = true;
+    add(7, "old", 1)->facts.is_draft = true;
     assert_false(output_older_is_likely(&table, &files, "new"));
     assert_true(check("new", there, THERE, NULL));
 }

@@ -221,7 +221,7 @@ static char *format_jobs(const struct job_table *jobs)
                                  text, job->id, job->name, job->owner, job->queued->priority,
                                  job_state_name(queue_job_state(job->queued)), counts[FRAME_QUEUED],
                                  counts[FRAME_SUCCEEDED], counts[FRAME_FAILED], counts[FRAME_CANCELED], job->disk_bytes,
-                                 job->reason ? job->reason : "-", job->hash);
+                                 job->reason ? job->reason : "-", job->facts.hash);
 
         free(text);
         text = longer;
