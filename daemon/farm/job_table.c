@@ -140,6 +140,14 @@ void job_record_set_reason(struct job_record *record, const char *reason)
     record->reason = copy;
 }
 
+void job_record_note_accuracy(struct job_record *record, const struct frame_accuracy *accuracy)
+{
+    if (!accuracy->method[0]) return;
+    record->latest.error = accuracy->error;
+    record->latest.error95 = accuracy->error95;
+    memcpy(record->latest.method, accuracy->method, sizeof record->latest.method);
+}
+
 void job_record_keep_intent(struct job_record *record, const struct store_frame *row)
 {
     record->intents = xgrow(record->intents, &record->intent_capacity, record->intent_count + 1, sizeof *row);

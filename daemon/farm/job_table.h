@@ -8,6 +8,7 @@
 #include "core/job/job.h"
 #include "core/job/job_notes.h"
 #include "core/job/output_path.h"
+#include "core/wire/frame_accuracy.h"
 #include "daemon/farm/root_table.h"
 #include "daemon/schedule/estimate.h"
 #include "daemon/schedule/queue.h"
@@ -29,6 +30,12 @@ struct job_facts {
 };
 
 struct job_facts job_facts_of(const struct job *job);
+
+// Of the frame of a job that was done last and whose accuracy is known; 0 and empty: none.
+struct job_accuracy {
+    double error, error95;
+    char method[FRAME_ACCURACY_TEXT_SIZE];
+};
 
 // A record lives until it is removed from the table and nobody holds it. Threads may read what never changes: id, root,
 // path, and path and id of the output root.
@@ -54,6 +61,7 @@ struct job_record {
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // its share of what the owner has
     struct estimate estimate;
+    struct job_accuracy latest;
     struct store_frame *intents; // owned; of queued frames: published or not, says the root when it is back
     size_t intent_count, intent_capacity;
     int frames_in_flight;                    // frames that workers hold or that are being published
@@ -96,6 +104,7 @@ void job_record_hold(struct job_record *record);
 void job_record_release(struct job_record *record);
 
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
+void job_record_note_accuracy(struct job_record *record, const struct frame_accuracy *accuracy);
 // Copies the row of a publish intent whose outcome is not known; its frame is queued.
 void job_record_keep_intent(struct job_record *record, const struct store_frame *row);
 // An op that stores the part of the job that may change.

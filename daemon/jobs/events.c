@@ -78,14 +78,28 @@ bool events_subscribe(struct events *events, struct client *client, int64_t job,
     return true;
 }
 
-void events_forget(struct events *events, const struct client *client)
+// `job` negative: whatever they are about.
+static void remove_subscriptions(struct events *events, const struct client *client, int64_t job)
 {
     size_t kept = 0;
 
     for (size_t i = 0; i < events->count; i++) {
-        if (events->subscriptions[i].client != client) events->subscriptions[kept++] = events->subscriptions[i];
+        const struct subscription *subscription = &events->subscriptions[i];
+
+        if (subscription->client != client || (job >= 0 && subscription->job != job))
+            events->subscriptions[kept++] = *subscription;
     }
     events->count = kept;
+}
+
+void events_unsubscribe(struct events *events, const struct client *client, int64_t job)
+{
+    remove_subscriptions(events, client, job);
+}
+
+void events_forget(struct events *events, const struct client *client)
+{
+    remove_subscriptions(events, client, -1);
 }
 
 static struct json_writer *begin_event(struct events *events, const char *type)

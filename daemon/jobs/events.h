@@ -19,7 +19,8 @@ void events_destroy(struct events *events); // after the loop closed its handles
 
 // `job` 0: all jobs. False when the client has too many subscriptions.
 bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames);
-void events_forget(struct events *events, const struct client *client); // removes its subscriptions
+void events_unsubscribe(struct events *events, const struct client *client, int64_t job); // as events_subscribe has it
+void events_forget(struct events *events, const struct client *client);                   // removes its subscriptions
 
 // Sends a change of state at once, and changed counts at most every 250 ms.
 void events_note_job(struct events *events, struct job_record *record);

@@ -230,6 +230,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
 
 static void note_accuracy(const struct publish_request *request)
 {
+    job_record_note_accuracy(request->record, &request->accuracy);
     if (frame_accuracy_is_over(&request->accuracy, request->record->facts.tolerance))
         queue_note_missed(request->record->queued, request->ticket.index);
 }

@@ -223,6 +223,19 @@ void job_view_write_phase(enum frame_phase phase, double progress, struct json_w
     json_write_number_member(writer, "phase_progress", progress >= 0.0 ? progress : NAN);
 }
 
+static void write_accuracy(const struct job_record *record, struct json_writer *writer)
+{
+    const struct job_accuracy *latest = &record->latest;
+    const struct job_facts *facts = &record->facts;
+    const char *stated =
+        facts->method == JOB_METHOD_AUTO || record->is_unreadable ? NULL : job_method_name(facts->method);
+
+    json_write_number_member(writer, "tolerance", facts->tolerance > 0 ? facts->tolerance : NAN);
+    json_write_string_member(writer, "method", latest->method[0] ? latest->method : stated);
+    json_write_number_member(writer, "measured_error", latest->error > 0 ? latest->error : NAN);
+    json_write_number_member(writer, "error95", latest->error95 > 0 ? latest->error95 : NAN);
+}
+
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
@@ -241,6 +254,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     write_time(writer, "started", record->started_ms);
     write_time(writer, "finished", record->finished_ms);
     write_counts(queued, writer);
+    write_accuracy(record, writer);
     json_write_string_member(writer, "range", range);
     write_pattern(record, writer);
     json_write_string_member(writer, "pool", record->pool);

@@ -50,6 +50,11 @@ static const struct member subscribe_params[] = {
     {0},
 };
 
+static const struct member unsubscribe_params[] = {
+    {"id", "integer", .meaning = "a job; absent: the subscriptions to all jobs", .min = 1, .is_optional = true},
+    {0},
+};
+
 const struct method methods_of_daemon[] = {
     {"daemon.status", requests_daemon_status, "How the farm is.", NEED_READ, .result = status_result},
     {"daemon.metrics", requests_daemon_metrics, "What the daemon counts, for Prometheus and the like.", NEED_READ,
@@ -60,5 +65,7 @@ const struct method methods_of_daemon[] = {
     {"worker.list", requests_worker_list, "All workers.", NEED_READ, .result = workers_result},
     {"events.subscribe", requests_events_subscribe, "Sends notifications `event` from now on.", NEED_READ,
      .params = subscribe_params},
+    {"events.unsubscribe", requests_events_unsubscribe, "Ends this connection's subscriptions to one job, or to all.",
+     NEED_READ, .params = unsubscribe_params},
     {0},
 };

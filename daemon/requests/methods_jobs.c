@@ -76,6 +76,7 @@ static const struct member map_result[] = {
                 "skipped, m(issed the tolerance)"},
     {"seconds", "number?[]", .meaning = "of rendering, audit and encoding of each frame that was rendered"},
     {"errors", "number?[]", .meaning = "measured error of each frame that has a file"},
+    {"errors95", "number?[]", .meaning = "the bound of that error with a confidence of 95 %"},
     {0},
 };
 

@@ -25,6 +25,7 @@ enum request_outcome requests_token_list(struct request *request);
 enum request_outcome requests_token_revoke(struct request *request);
 enum request_outcome requests_worker_list(struct request *request);
 enum request_outcome requests_events_subscribe(struct request *request);
+enum request_outcome requests_events_unsubscribe(struct request *request);
 enum request_outcome requests_job_list(struct request *request);
 enum request_outcome requests_job_show(struct request *request);
 enum request_outcome requests_job_frames(struct request *request);

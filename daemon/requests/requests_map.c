@@ -11,6 +11,7 @@
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -23,7 +24,7 @@ static const char state_letters[FRAME_STATE_COUNT] = {
 
 // What is known of a frame that is done; 0: unknown.
 struct map_frame {
-    float seconds, error;
+    float seconds, error, error95;
 };
 
 // A frame is a letter and two numbers. States are those of one moment; the numbers are read from the store off the
@@ -111,7 +112,10 @@ static bool on_frame_row(void *user, const struct store_frame *row, struct error
 
     // The row of a frame that was queued again is outdated; a skipped frame took no time.
     if (state == 's' || state == 'm') task->frames[i].seconds = (float)(row->render_s + row->audit_s + row->encode_s);
-    if (state == 's' || state == 'm' || state == 'k') task->frames[i].error = (float)row->accuracy.error;
+    if (state == 's' || state == 'm' || state == 'k') {
+        task->frames[i].error = (float)row->accuracy.error;
+        task->frames[i].error95 = (float)row->accuracy.error95;
+    }
     return true;
 }
 
@@ -126,21 +130,22 @@ static void write_short(struct json_writer *writer, float number)
         json_write_null(writer);
 }
 
+// `offset` is that of a float in a frame.
+static void write_numbers(struct map_task *task, const char *key, size_t offset)
+{
+    json_write_key(&task->value, key);
+    json_write_begin_array(&task->value);
+    for (int64_t i = 0; i < task->count; i++)
+        write_short(&task->value, *(const float *)((const char *)&task->frames[i] + offset));
+    json_write_end_array(&task->value);
+}
+
 static void write_map(struct map_task *task)
 {
-    struct json_writer *writer = &task->value;
-
-    json_write_key(writer, "seconds");
-    json_write_begin_array(writer);
-    for (int64_t i = 0; i < task->count; i++)
-        write_short(writer, task->frames[i].seconds);
-    json_write_end_array(writer);
-    json_write_key(writer, "errors");
-    json_write_begin_array(writer);
-    for (int64_t i = 0; i < task->count; i++)
-        write_short(writer, task->frames[i].error);
-    json_write_end_array(writer);
-    json_write_end_object(writer);
+    write_numbers(task, "seconds", offsetof(struct map_frame, seconds));
+    write_numbers(task, "errors", offsetof(struct map_frame, error));
+    write_numbers(task, "errors95", offsetof(struct map_frame, error95));
+    json_write_end_object(&task->value);
 }
 
 static void on_map_run(struct work_piece *piece)

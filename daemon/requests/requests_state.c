@@ -180,6 +180,18 @@ enum request_outcome requests_events_subscribe(struct request *request)
     return REQUEST_ANSWERED;
 }
 
+// A job that is deleted may be named: its subscription is still there.
+enum request_outcome requests_events_unsubscribe(struct request *request)
+{
+    int64_t job;
+
+    if (!request_read_count(request, "id", 1, INT64_C(1) << 53, 0, &job)) return REQUEST_FAILED;
+    events_unsubscribe(request->farm->events, request->client, job);
+    json_write_begin_object(request->result);
+    json_write_end_object(request->result);
+    return REQUEST_ANSWERED;
+}
+
 enum request_outcome requests_job_show(struct request *request)
 {
     struct job_record *record = request_find_job(request);

@@ -142,6 +142,7 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
         if (row->state == FRAME_QUEUED) queue_force_frame(state->record->queued, row->index);
         if (row->state == FRAME_SUCCEEDED) note_published(state->record, row);
+        if (has_file(row)) job_record_note_accuracy(state->record, &row->accuracy);
         if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->facts.tolerance))
             queue_note_missed(state->record->queued, row->index);
         return true;

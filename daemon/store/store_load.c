@@ -15,7 +15,8 @@ static const char jobs_sql[] =
     " document.sum IS row_sum(" STORE_SCHEMA_DOCUMENT_COLUMNS ")"
     " FROM job LEFT JOIN document ON document.job = id ORDER BY id";
 static const char frames_sql[] =
-    "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error, render_s, audit_s"
+    "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error, error95, audit_rays, method,"
+    " render_s, audit_s"
     " FROM frame ORDER BY job, frame_index";
 static const char frame_sql[] = "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame WHERE job = ? AND frame_index = ?";
 
@@ -101,8 +102,8 @@ static bool load_frames(sqlite3 *db, store_on_frame *on_frame, void *user, struc
         ok = store_schema_read_state(rows, &frame, error);
         frame.size_bytes = (uint64_t)sqlite3_column_int64(rows, 4);
         store_schema_read_error(rows, 5, &frame.accuracy);
-        frame.render_s = sqlite3_column_double(rows, 7);
-        frame.audit_s = sqlite3_column_double(rows, 8);
+        frame.render_s = sqlite3_column_double(rows, 10);
+        frame.audit_s = sqlite3_column_double(rows, 11);
         if (ok && frame.state == FRAME_RUNNING)
             ok = load_intent(intent, frame.job, frame.index, on_frame, user, error);
         else if (ok)

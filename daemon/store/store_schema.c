@@ -149,14 +149,14 @@ void store_schema_read_error(sqlite3_stmt *row, int column, struct frame_accurac
 {
     read_name(row, column, accuracy->audit);
     accuracy->error = sqlite3_column_double(row, column + 1);
+    accuracy->error95 = sqlite3_column_double(row, column + 2);
+    accuracy->audit_rays = sqlite3_column_int(row, column + 3);
+    read_name(row, column + 4, accuracy->method);
 }
 
 static void read_accuracy(sqlite3_stmt *row, struct frame_accuracy *accuracy)
 {
     store_schema_read_error(row, 11, accuracy);
-    accuracy->error95 = sqlite3_column_double(row, 13);
-    accuracy->audit_rays = sqlite3_column_int(row, 14);
-    read_name(row, 15, accuracy->method);
     accuracy->has_cut_share = sqlite3_column_type(row, 16) != SQLITE_NULL;
     accuracy->cut_share = sqlite3_column_double(row, 16);
     accuracy->plan = sqlite3_column_int64(row, 17);

@@ -39,7 +39,7 @@ bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 
 // Reads a row that starts with the first four of those columns. False for an invalid row.
 bool store_schema_read_state(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);
-// Reads `audit` and `measured_error`, which are in that column and the next.
+// Reads `audit`, `measured_error`, `error95`, `audit_rays` and `method`, which are in that column and the next ones.
 void store_schema_read_error(struct sqlite3_stmt *row, int column, struct frame_accuracy *accuracy);
 // Reads a row of those columns; `frame->error` is borrowed until the next step of the statement.
 bool store_schema_read_frame(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);

@@ -19,6 +19,9 @@ id=$(submit "$(job 0-1 '.output.path = "a/a.####.exr"')")
 wait_state "$id" succeeded
 whole='["reference",0.00625,0.0075,64,"cached",0.125,0.0625]'
 expect "accuracy" "$(accuracy_of "$id")" "[$whole,$whole]"
+latest='[.method, .measured_error, .error95, .tolerance]'
+expect "what the job says of its latest frame" "$(field "$id" "$latest | tojson")" '["cached",0.00625,0.0075,null]'
+expect "the map's errors and bounds" "$(ask job.frame_map "{\"id\":$id}" | jq -c '.result | [.errors, .errors95]')" '[[0.00625,0.00625],[0.0075,0.0075]]'
 row=$("$bin/march" frames "$id" --socket "$socket" | tr -s ' ' | sed -n 2p)
 [[ $row == *" cached 0.62 / 0.75 12.5 6.25 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
 "$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *AUDIT % / 95 %     CUT %  TRACED %  FILE' || fail "the titles"
@@ -27,8 +30,10 @@ stop_daemon
 # The next daemon reads them from the store; frames of a worker that audits nothing have none.
 start_daemon --worker-program "$(stub write:0)"
 expect "accuracy after a restart" "$(accuracy_of "$id")" "[$whole,$whole]"
+expect "what the job says after a restart" "$(field "$id" "$latest | tojson")" '["cached",0.00625,0.0075,null]'
 plain=$(submit "$(job 0 '.output.path = "b/b.####.exr"')")
 wait_state "$plain" succeeded
+expect "what a job without audits says" "$(field "$plain" "$latest | tojson")" '["midpoint",null,null,null]'
 expect "no audit" "$(ask job.frames "{\"id\":$plain}" | jq -c '.result.frames[0] | [has("audit"), has("measured_error"), has("cut_share"), has("traced")]')" \
     "[false,false,false,false]"
 row=$("$bin/march" frames "$plain" --socket "$socket" | tr -s ' ' | sed -n 2p)

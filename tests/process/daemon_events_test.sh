@@ -30,6 +30,42 @@ told=$($all | jq --argjson id "$id" 'select(.type == "job" and .job.id == $id) |
 [ "$told" -le $((4 + lasted_ms / 250)) ] || fail "a job of at most $lasted_ms ms was told $told times"
 stop_daemon
 
+# Who unsubscribes from one job hears no more of it, and goes on to hear of others.
+start_daemon --worker-program "$(stub write:20)"
+first=$(submit "$(job 1-5 '.output.path = "first/f.####.exr"')" true)
+second=$(submit "$(job 1-5 '.output.path = "second/s.####.exr"')" true)
+mkfifo "$scratch/asks"
+"$bin/socket-client" --keep "$socket" <"$scratch/asks" >"$scratch/heard" &
+exec 7>"$scratch/asks"
+asked=0
+say() # METHOD PARAMS: on that connection; returns when it is answered
+{
+    asked=$((asked + 1))
+    printf '{"jsonrpc":"2.0","id":%d,"method":"%s","params":%s}\n' "$asked" "$1" "$2" >&7
+    wait_until "$1 is answered" grep -q "\"id\":$asked,\"result\"" "$scratch/heard"
+}
+say events.subscribe "{\"id\":$first}"
+say events.subscribe "{\"id\":$second}"
+say events.unsubscribe "{\"id\":$first}"
+say events.unsubscribe "{\"id\":999}" # none is there to end
+ask job.resume "{\"id\":$first}" >/dev/null
+wait_state "$first" succeeded
+ask job.resume "{\"id\":$second}" >/dev/null
+wait_state "$second" succeeded
+wait_until "the other job's end is told" grep -q '"state":"succeeded","draft"' "$scratch/heard"
+expect "jobs told after one was left" "$(jq -r '.params | select(.type == "frame") | .id' "$scratch/heard" | sort -u | xargs)" "$second"
+say events.subscribe '{}'
+say events.unsubscribe '{}'
+say events.unsubscribe "{\"id\":$second}"
+before=$(wc -l <"$scratch/heard")
+third=$(submit "$(job 1-5 '.output.path = "third/t.####.exr"')")
+wait_state "$third" succeeded
+say daemon.status '{}'
+expect "lines told after all were left" "$(($(wc -l <"$scratch/heard") - before))" 1
+exec 7>&-
+expect_error "$(ask events.unsubscribe '{"id":0}')" -32602 "params.id: expected an integer from 1"
+stop_daemon
+
 # A subscriber that stops reading is disconnected after 16 MiB; others are not affected.
 start_daemon --worker-program "$(stub skip)"
 # Each event is sent once for each subscription.

@@ -34,6 +34,7 @@ counts_of()
     ask job.show "{\"id\":$id}" | jq -c '.result | [.succeeded, .failed, .missed, .reason]'
 }
 expect "the job" "$(counts_of)" '[2,0,2,"2 of its frames missed the tolerance"]'
+expect "its tolerance" "$(field "$id" .tolerance)" 0.05
 expect "its frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.missed, .measured_error > 0.05]]')" '[[true,true],[true,true]]'
 expect "the map of its frames" "$(ask job.frame_map "{\"id\":$id}" | jq -c '.result | [.states, (.errors[] > 0.05), (.seconds[] > 0)]')" \
     '["mm",true,true,true,true]'

@@ -34,6 +34,7 @@ look()
 # Frames that are planned and take long: running, paused, drained, canceled.
 start_daemon --workers 1 --stop-timeout 1 --worker-program "$(stub plan:50000)"
 expect "a subscription" "$(ask events.subscribe '{}' | jq -c .result)" '{}'
+expect "its end" "$(ask events.unsubscribe '{}' | jq -c .result)" '{}'
 listen "$scratch/slow"
 id=$(submit "$(job 1-3 '.comment = "slow" | .tags = ["a"] | .output.path = "slow/s.####.exr"')")
 wait_until "its frame is rendered" eval '[ "$(field "$id" .phase)" = render ]'

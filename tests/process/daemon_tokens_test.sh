@@ -105,7 +105,9 @@ S job.retry {"id":1000}
 S job.priority {"id":$job,"priority":40}
 S job.delete {"id":1000}
 R worker.list
+R daemon.metrics
 R events.subscribe
+R events.unsubscribe
 P token.create {"scope":"read"}
 P token.list
 P token.revoke {"id":1}
