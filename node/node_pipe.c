@@ -18,6 +18,8 @@ struct node_pipe {
     int open_handles;
     struct message_stream stream; // owned
     uint64_t heard_ms;
+    uint64_t said_bytes, taken_bytes,
+        taken_ms; // in all; of them that the other end has read; when that was seen to grow
     bool is_closed;
 };
 
@@ -86,7 +88,7 @@ struct node_pipe *node_pipe_open(uv_loop_t *loop, int in_fd, int out_fd, size_t 
     pipe->handlers = handlers;
     pipe->user = user;
     pipe->open_handles = 2;
-    pipe->heard_ms = uv_now(loop);
+    pipe->heard_ms = pipe->taken_ms = uv_now(loop);
     pipe->stream.limit_bytes = line_limit + NODE_LINE_HEAD_SIZE;
     uv_pipe_init(loop, &pipe->in, 0);
     uv_pipe_init(loop, &pipe->out, 0);
@@ -132,6 +134,7 @@ static void push(struct node_pipe *pipe, struct pipe_write *write, size_t length
 {
     uv_buf_t buffer = uv_buf_init(write->bytes, (unsigned)length);
 
+    pipe->said_bytes += length;
     if (pipe->is_closed || uv_write(&write->request, (uv_stream_t *)&pipe->out, &buffer, 1, on_written) != 0)
         free(write);
 }
@@ -195,4 +198,16 @@ int64_t node_pipe_silent_ms(const struct node_pipe *pipe)
 size_t node_pipe_waiting_bytes(const struct node_pipe *pipe)
 {
     return uv_stream_get_write_queue_size((const uv_stream_t *)&pipe->out);
+}
+
+int64_t node_pipe_stuck_ms(struct node_pipe *pipe)
+{
+    size_t waiting = node_pipe_waiting_bytes(pipe);
+    uint64_t now_ms = uv_now(pipe->in.loop);
+
+    if (waiting == 0 || pipe->said_bytes - waiting != pipe->taken_bytes) {
+        pipe->taken_bytes = pipe->said_bytes - waiting;
+        pipe->taken_ms = now_ms;
+    }
+    return (int64_t)(now_ms - pipe->taken_ms);
 }

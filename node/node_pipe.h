@@ -31,5 +31,7 @@ void node_pipe_say(struct node_pipe *pipe, enum node_word word, int worker, cons
 void node_pipe_say_text(struct node_pipe *pipe, enum node_word word, int worker, const char *text); // as a JSON string
 // Sends the lines of the messages, each as one of the worker.
 void node_pipe_say_lines(struct node_pipe *pipe, enum node_word word, int worker, const char *lines, size_t length);
-int64_t node_pipe_silent_ms(const struct node_pipe *pipe); // since the other end was heard, or the start
-size_t node_pipe_waiting_bytes(const struct node_pipe *pipe);
+int64_t node_pipe_silent_ms(const struct node_pipe *pipe);    // since the other end was heard, or the start
+size_t node_pipe_waiting_bytes(const struct node_pipe *pipe); // said, and not read by the other end
+// For how long the other end has read nothing of what waits for it; 0: nothing waits. To be called often.
+int64_t node_pipe_stuck_ms(struct node_pipe *pipe);

@@ -213,7 +213,7 @@ static bool feed_worker(struct farm *farm, int index, const int ready[static TUR
     enum worker_fit fit = WORKER_COVERED;
     size_t count = 0;
 
-    if (!worker) return false;
+    if (!worker || worker_pool_is_behind(farm->pool, index)) return false;
     worker->next_job = 0;
     next = choose(farm, index, &fit);
     if (!next && worker->in_flight.count == 0) turns_stand(queue_turns(farm->queue), seat);

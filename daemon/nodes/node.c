@@ -25,7 +25,8 @@ enum {
     PROBE_MS = 150 * 1000,    // from its launch until its folders are looked at
     ANSWER_MS = 60 * 1000,    // so long a launcher, or a look at the folders, may take
     BEATS = 4,                // beats in the time after which silence is an end
-    WAITING_LIMIT = 64 << 20, // bytes that a node has not read
+    BEHIND_LIMIT = 16 << 20,  // bytes that a node has not read: it gets no more frames
+    WAITING_LIMIT = 64 << 20, // it is ended
     TEXT_SIZE = 512,          // bytes that are logged of a line that is none of a node
     TEXT_LINES = 20,          // such lines a second that are logged
     BANNER_LINES = 1000       // lines that shells may print first
@@ -179,7 +180,8 @@ static void check_pipe(struct node *node)
         lose(node, "it did not look at the folders within 60 s");
     } else if (node->state == NODE_PROBING && node->now_ms - node->launched_ms > PROBE_MS) {
         lose(node, "folders of this machine do not answer: whether it sees them is not known");
-    } else if (node_pipe_waiting_bytes(node->pipe) > WAITING_LIMIT) {
+    } else if (node_pipe_waiting_bytes(node->pipe) > WAITING_LIMIT ||
+               node_pipe_stuck_ms(node->pipe) > pool->heartbeat_ms) {
         lose(node, "it does not read what it is told");
     } else if (node->state == NODE_READY && node_pipe_silent_ms(node->pipe) > pool->heartbeat_ms) {
         snprintf(reason, sizeof reason, "nothing was heard of it for %.3g s", (double)pool->heartbeat_ms / 1000);
@@ -197,6 +199,11 @@ void node_check(struct node *node, int64_t now_ms)
         check_pipe(node);
     else if (!node->is_held && !node->is_stopping && retry_backoff_wait_ms(&node->backoff, now_ms) == 0)
         launch(node);
+}
+
+bool node_is_behind(const struct node *node)
+{
+    return node->pipe && node_pipe_waiting_bytes(node->pipe) > BEHIND_LIMIT;
 }
 
 void node_stop(struct node *node)

@@ -46,6 +46,8 @@ void node_destroy(struct node *node); // legal when it is down; accepts NULL
 void node_check(struct node *node, int64_t now_ms);
 // Ends it with all its workers, whose handlers are told. It is not started any more.
 void node_stop(struct node *node);
+// Whether much waits that it has not read yet.
+bool node_is_behind(const struct node *node);
 // Probes a ready node again, for its roots may have changed: it goes on meanwhile, and ends if something is wrong.
 void node_look_at_roots(struct node *node);
 

@@ -148,6 +148,16 @@ void worker_nodes_check(struct worker_nodes *nodes, int64_t now_ms)
             check_site(nodes->farm, &nodes->sites[i], now_ms);
     for (size_t i = 0; i < nodes->count; i++)
         node_check(nodes->nodes[i], now_ms);
+    if (nodes->has_skipped) farm_want_feed(nodes->farm);
+    nodes->has_skipped = false;
+}
+
+bool worker_nodes_are_behind(struct worker_nodes *nodes, const struct worker_slot *slot)
+{
+    bool is_behind = slot->node && node_is_behind(slot->node);
+
+    if (is_behind) nodes->has_skipped = true;
+    return is_behind;
 }
 
 void worker_nodes_stop(struct worker_nodes *nodes)

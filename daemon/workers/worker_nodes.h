@@ -32,6 +32,7 @@ struct worker_nodes {
     size_t site_count;
     struct node_looks looks;
     bool is_stopping; // the machines stay as they are
+    bool has_skipped; // a worker whose node was behind: frames are offered again
 };
 
 int worker_nodes_count_slots(const struct options *options);
@@ -47,6 +48,8 @@ void worker_nodes_finish(struct worker_nodes *nodes); // legal when they are sto
 
 // Whether a worker may be started in the slot as far as its node is concerned.
 bool worker_nodes_are_ready(const struct worker_slot *slot);
+// Whether the slot's worker gets no frames for now, since its node has not read what waits for it.
+bool worker_nodes_are_behind(struct worker_nodes *nodes, const struct worker_slot *slot);
 // Seconds until the machine of the slot goes; infinite: it stays.
 double worker_nodes_left_s(const struct worker_slot *slot, int64_t now_ms);
 // A frame that takes so long was not given to the slot, for it would not be done before.

@@ -347,6 +347,11 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
     return worker && worker->state == WORKER_READY ? worker : NULL;
 }
 
+bool worker_pool_is_behind(struct worker_pool *pool, int index)
+{
+    return worker_nodes_are_behind(&pool->nodes, &pool->slots[index]);
+}
+
 struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index)
 {
     return &pool->slots[index].seat;

@@ -48,6 +48,7 @@ int worker_pool_usable_count(const struct worker_pool *pool, uint64_t barred);
 char *worker_pool_format_trouble(const struct worker_pool *pool, const struct job_record *record);
 // The worker in slot `index` if it can be assigned frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
+bool worker_pool_is_behind(struct worker_pool *pool, int index); // as worker_nodes_are_behind
 // Whom the worker in slot `index` serves.
 struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index);
 // As worker_nodes_left_s and worker_nodes_note_short, of slot `index`.
