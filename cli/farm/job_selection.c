@@ -25,7 +25,7 @@ struct owners {
 
 static bool chooses(const struct options *options)
 {
-    return options->all || options->owner || options->state;
+    return options->all || options->owner || options->state || options->over_s >= 0;
 }
 
 enum exit_status job_selection_check(const struct options *options, struct error *error)
@@ -64,6 +64,7 @@ struct choice {
     struct job_selection *selection;
     size_t capacity;
     struct owners owners;
+    int64_t over_s; // only jobs that ended before; negative: any
 };
 
 static bool on_job(void *user, const struct json_node *job, struct error *error)
@@ -73,9 +74,11 @@ static bool on_job(void *user, const struct json_node *job, struct error *error)
     struct job_report report;
 
     if (!job_report_read(&report, job, error)) return false;
-    selection->ids = xgrow(selection->ids, &choice->capacity, selection->count + 1, sizeof selection->ids[0]);
-    selection->ids[selection->count++] = report.id;
-    count_owner(&choice->owners, report.owner ? report.owner : "?");
+    if (choice->over_s < 0 || (report.finished >= 0 && report.finished < (double)choice->over_s)) {
+        selection->ids = xgrow(selection->ids, &choice->capacity, selection->count + 1, sizeof selection->ids[0]);
+        selection->ids[selection->count++] = report.id;
+        count_owner(&choice->owners, report.owner ? report.owner : "?");
+    }
     job_report_finish(&report);
     return true;
 }
@@ -114,7 +117,7 @@ static enum exit_status find_chosen(struct job_selection *selection, struct conn
                                     const struct options *options, const struct job_selection_params *params,
                                     struct error *error)
 {
-    struct choice choice = {.selection = selection};
+    struct choice choice = {.selection = selection, .over_s = options->over_s};
     struct job_pages pages = {.states = options->state ? options->state : params->states,
                               .owner = options->owner,
                               .since_s = -1,

@@ -90,6 +90,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_SINCE] = {"since", KIND_MOMENT, FIELD(since_s), "AGE|DATE", 0, 0,
                       "only jobs submitted since: 12h, 30d, 2026-03-01, 2026-03-01T18:30"},
     [OPTION_LIMIT] = {"limit", KIND_INTEGER, FIELD(limit), "N", 1, 1000000, "only the N newest, these first"},
+    [OPTION_OVER] = {"over", KIND_MOMENT, FIELD(over_s), "AGE|DATE", 0, 0,
+                     "only jobs that ended before: 30d, 12h, 2026-03-01"},
     [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
                       "render also frames whose files are there, whole and of this job"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
@@ -264,7 +266,8 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
                                 .point_limit_s = -1,
                                 .reconnect_s = -1,
                                 .limit = -1,
-                                .since_s = -1};
+                                .since_s = -1,
+                                .over_s = -1};
     options->exposure = options->fps = options->tolerance = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);

@@ -55,6 +55,7 @@ enum option {
     OPTION_NAME,
     OPTION_SINCE,
     OPTION_LIMIT,
+    OPTION_OVER,
     OPTION_COUNT
 };
 
@@ -66,8 +67,7 @@ struct options {
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
         *plan_of, *preview, *owner, *pool, *name;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s,
-        limit,
-        since_s; // since_s: unix time
+        limit, since_s, over_s; // unix times
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;

@@ -19,10 +19,12 @@
 #include <string.h>
 
 struct job_delete {
-    struct farm *farm;         // borrowed; outlives us
-    struct job_record *record; // borrowed until it is removed here
-    struct answer *answer;     // owned
-    char *user;                // owned; names the client
+    struct farm *farm;          // borrowed; outlives us
+    struct job_record *record;  // borrowed until it is removed here
+    struct answer *answer;      // owned; NULL: nobody waits
+    void (*on_end)(void *user); // may be NULL
+    void *end_user;
+    char *user; // owned; names the client
     uv_work_t work;
     bool with_files, has_begun;
     struct file_remover remover;
@@ -68,6 +70,8 @@ void job_delete_start(struct farm *farm, struct job_record *record, const struct
                                     .record = record,
                                     .with_files = params->with_files,
                                     .answer = params->answer,
+                                    .on_end = params->on_end,
+                                    .end_user = params->end_user,
                                     .user = xstrdup(params->user)};
     deletion->work.data = deletion;
     record->is_deleting = true;
@@ -90,6 +94,7 @@ static void end(struct job_delete *deletion)
         link = &(*link)->next;
     *link = deletion->next;
     if (deletion->with_files) output_claims_remove(farm, &deletion->claim);
+    if (deletion->on_end) deletion->on_end(deletion->end_user);
     free(deletion->user);
     free(deletion);
     job_delete_go_on(farm);
@@ -104,7 +109,7 @@ static void give_up(struct job_delete *deletion, enum message_code code, const s
     record->disk_bytes -= deletion->remover.removed_bytes;
     if (record->disk_bytes < 0) record->disk_bytes = 0;
     limits_count_job(deletion->farm, record);
-    answer_send_error(deletion->answer, code, error->message);
+    if (deletion->answer) answer_send_error(deletion->answer, code, error->message);
     end(deletion);
 }
 
@@ -186,15 +191,11 @@ static void on_files_done(uv_work_t *work, int status)
     give_up(deletion, MESSAGE_CODE_INTERNAL, &deletion->error);
 }
 
-static void tell(struct job_delete *deletion)
+static void send_answer(struct job_delete *deletion)
 {
-    struct log_subject subject = job_record_subject(deletion->record);
     const struct file_remover *remover = &deletion->remover;
     struct json_writer value = {0};
 
-    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted by %s; %lld files removed",
-              (long long)deletion->record->id, deletion->record->name, deletion->user, (long long)remover->removed);
-    events_send_deleted(deletion->farm->events, deletion->record);
     json_write_begin_object(&value);
     json_write_integer_member(&value, "files_removed", remover->removed);
     json_write_integer_member(&value, "files_kept", remover->kept);
@@ -204,6 +205,17 @@ static void tell(struct job_delete *deletion)
     json_write_end_object(&value);
     answer_send_result(deletion->answer, &value);
     json_writer_finish(&value);
+}
+
+static void tell(struct job_delete *deletion)
+{
+    struct log_subject subject = job_record_subject(deletion->record);
+
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted by %s; %lld files removed",
+              (long long)deletion->record->id, deletion->record->name, deletion->user,
+              (long long)deletion->remover.removed);
+    events_send_deleted(deletion->farm->events, deletion->record);
+    if (deletion->answer) send_answer(deletion);
 }
 
 static void on_committed(void *user, bool ok, const struct error *error)

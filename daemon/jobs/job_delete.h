@@ -10,8 +10,10 @@ struct job_record;
 
 struct job_delete_params {
     bool with_files;
-    const char *user;      // copied; names the client
-    struct answer *answer; // taken over
+    const char *user;           // copied; names the client
+    struct answer *answer;      // taken over; NULL: nobody waits for one
+    void (*on_end)(void *user); // called when the deletion was committed, or failed; may be NULL
+    void *end_user;
 };
 
 // The answer is sent when the deletion is committed, or failed. One deletion is worked on at a time, and only after its

@@ -12,6 +12,7 @@
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/frame_life.h"
+#include "daemon/jobs/job_ageing.h"
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/job_retry.h"
@@ -68,6 +69,7 @@ struct daemon {
     struct watchdog *watchdog; // NULL: the service manager wants none
     struct manager *manager;
     struct root_watch *roots;
+    struct job_ageing *ageing;
     struct options *options; // borrowed; outlive us
     daemon_read_options *read_options;
     void *read_user; // borrowed; outlives us
@@ -121,6 +123,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->sweeper = sweeper_create(farm->loop, farm->id, on_swept, farm);
     farm->events = events_create(farm);
     daemon->roots = root_watch_create(farm, root_life_note_change);
+    daemon->ageing = job_ageing_create(farm);
     farm->pool = worker_pool_create(farm, workers > 0 ? workers : 0, &pool_handlers);
     daemon->keeper = store_keeper_open(farm->loop, &(struct store_keeper_params){.folder = options->state_folder,
                                                                                  .first_ms = FIRST_LOOK_MS,
@@ -232,6 +235,7 @@ void daemon_destroy(struct daemon *daemon)
     uv_run(&daemon->loop, UV_RUN_DEFAULT);
     worker_pool_destroy(farm->pool);
     root_watch_destroy(daemon->roots);
+    job_ageing_destroy(daemon->ageing);
     events_destroy(farm->events);
     sweeper_destroy(farm->sweeper);
     publisher_destroy(farm->checker);
@@ -328,6 +332,7 @@ static void begin_stop(struct daemon *daemon)
     daemon->phase = DAEMON_STOPPING;
     manager_notify_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
     listener_stop(daemon->listener);
+    job_ageing_stop(daemon->ageing);
     worker_pool_stop(daemon->farm.pool, daemon->farm.options->stop_timeout_ms);
 }
 
@@ -367,6 +372,7 @@ static void apply_options(struct daemon *daemon, struct options *fresh, struct r
     root_settings_tell_inputs(&daemon->options->input_roots);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
+    job_ageing_note_settings(daemon->ageing);
     events_note_reasons(daemon->farm.events);
     farm_want_feed(&daemon->farm);
 }
@@ -440,6 +446,7 @@ static void on_iteration(uv_prepare_t *iteration)
         if (!feed_workers(&daemon->farm)) loop_turns_put(daemon->farm.turns, &daemon->feed);
     }
     if (daemon->phase == DAEMON_RUNNING) late_sweep_run(&daemon->farm);
+    if (daemon->phase == DAEMON_RUNNING) job_ageing_run(daemon->ageing);
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;
         shares_store(&daemon->farm);

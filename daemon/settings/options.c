@@ -6,6 +6,7 @@
 #include "core/base/nearest_name.h"
 #include "core/settings/options_file.h"
 #include "core/settings/options_value.h"
+#include "daemon/settings/options_amount.h"
 
 #include <getopt.h>
 #include <stdlib.h>
@@ -35,6 +36,9 @@ enum option_code {
     OPTION_USER_FRAMES,
     OPTION_USER_PIXELS,
     OPTION_USER_DISK,
+    OPTION_KEEP_JOBS,
+    OPTION_KEEP_DAYS,
+    OPTION_KEEP_BYTES,
     OPTION_USER_WEIGHT,
     OPTION_POOL,
     OPTION_LAUNCH_SOCKET,
@@ -74,6 +78,9 @@ static const struct option long_options[] = {
     {"user-frames", required_argument, NULL, OPTION_USER_FRAMES},
     {"user-pixels", required_argument, NULL, OPTION_USER_PIXELS},
     {"user-disk", required_argument, NULL, OPTION_USER_DISK},
+    {"keep-jobs", required_argument, NULL, OPTION_KEEP_JOBS},
+    {"keep-days", required_argument, NULL, OPTION_KEEP_DAYS},
+    {"keep-bytes", required_argument, NULL, OPTION_KEEP_BYTES},
     {"user-weight", required_argument, NULL, OPTION_USER_WEIGHT},
     {"pool", required_argument, NULL, OPTION_POOL},
     {"launch-socket", required_argument, NULL, OPTION_LAUNCH_SOCKET},
@@ -190,19 +197,17 @@ static bool set_folder(struct setter *setter, int code, const char *text, struct
     }
 }
 
-static bool set_user_limit(struct options *options, int code, const char *text, struct error *error)
-{
-    switch (code) {
-    case OPTION_USER_JOBS:
-        return options_value_limit("user-jobs", text, 1000, 0, &options->user_jobs, error);
-    case OPTION_USER_FRAMES:
-        return options_value_limit("user-frames", text, 1000, 0, &options->user_frames, error);
-    case OPTION_USER_PIXELS:
-        return options_value_limit("user-pixels", text, 1000, 0, &options->user_pixels, error);
-    default:
-        return options_value_limit("user-disk", text, 1024, 0, &options->user_disk_bytes, error);
-    }
-}
+#define AMOUNT(field) offsetof(struct options, field)
+
+static const struct options_amount amounts[] = {
+    {OPTION_USER_JOBS, "user-jobs", AMOUNT(user_jobs), 1000},
+    {OPTION_USER_FRAMES, "user-frames", AMOUNT(user_frames), 1000},
+    {OPTION_USER_PIXELS, "user-pixels", AMOUNT(user_pixels), 1000},
+    {OPTION_USER_DISK, "user-disk", AMOUNT(user_disk_bytes), 1024},
+    {OPTION_KEEP_JOBS, "keep-jobs", AMOUNT(keep_jobs), 1000},
+    {OPTION_KEEP_DAYS, "keep-days", AMOUNT(keep_ms), 0},
+    {OPTION_KEEP_BYTES, "keep-bytes", AMOUNT(keep_bytes), 1024},
+};
 
 static bool set_option(struct setter *setter, int code, const char *text, struct error *error)
 {
@@ -237,7 +242,10 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
     case OPTION_USER_FRAMES:
     case OPTION_USER_PIXELS:
     case OPTION_USER_DISK:
-        return set_user_limit(options, code, text, error);
+    case OPTION_KEEP_JOBS:
+    case OPTION_KEEP_DAYS:
+    case OPTION_KEEP_BYTES:
+        return options_amount_read(amounts, code, text, options, error);
     case OPTION_USER_WEIGHT:
         return add_weight(setter, text, error);
     case OPTION_POOL:

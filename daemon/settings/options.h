@@ -46,6 +46,10 @@ struct options {
     int64_t user_frames;     // their frames that are not done
     int64_t user_pixels;     // pixels of those frames
     int64_t user_disk_bytes; // published files of jobs that are not deleted
+    // How long jobs that are over stay in the queue; 0: until they are deleted.
+    int64_t keep_jobs;  // so many of them
+    int64_t keep_ms;    // for so long
+    int64_t keep_bytes; // of files that they published
     // Shares of users who wait for workers.
     struct user_weights user_weights;
     int64_t half_life_ms;        // after so long half of what a user used is forgotten

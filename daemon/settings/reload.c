@@ -107,6 +107,9 @@ void reload_take(struct options *current, struct options *fresh, struct reload_c
     take_integer(&current->user_frames, fresh->user_frames, "user-frames", changes);
     take_integer(&current->user_pixels, fresh->user_pixels, "user-pixels", changes);
     take_integer(&current->user_disk_bytes, fresh->user_disk_bytes, "user-disk", changes);
+    take_integer(&current->keep_jobs, fresh->keep_jobs, "keep-jobs", changes);
+    take_integer(&current->keep_ms, fresh->keep_ms, "keep-days", changes);
+    take_integer(&current->keep_bytes, fresh->keep_bytes, "keep-bytes", changes);
     if (pool_table_swap_terms(&current->pools, &fresh->pools)) add_name(changes->applied, "pool");
     take_weights(&current->user_weights, &fresh->user_weights, changes);
     take_integer(&current->half_life_ms, fresh->half_life_ms, "half-life", changes);

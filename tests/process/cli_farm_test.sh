@@ -176,6 +176,14 @@ wait "$waiter"
 grep -q "^job 5: canceled" waited || fail "wait tells the end after a restart"
 [ "$(grep -c "waiting up to 300 s for it to come back" waited_err)" -eq 1 ] || fail "wait says once that the daemon is gone"
 
+# Jobs that have been over for long are deleted together; how many is said before.
+expect 0 march delete --over 1h </dev/null
+grep -q "^delete 0 jobs$" err || fail "delete --over says how many jobs"
+expect 2 march delete --over 2100-01-01 --state succeeded </dev/null
+grep -q "^delete 3 jobs: 3 of $(id -un)$" err || fail "delete --over --state says how many jobs: $(cat err)"
+expect 2 march delete --over soon
+grep -q -- "--over: expected an age such as 12h or 30d" err || fail "a wrong --over"
+
 # Pictures whose job was deleted are known by their headers.
 expect 0 march delete 3
 expect 1 submit --frames 48 --set output.path=three/three.####.exr --set camera.fov=47

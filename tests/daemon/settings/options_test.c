@@ -297,7 +297,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     path = write_config(state, text);
     assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
     options_finish(&told);
-    assert_int_equal(uncomment(text), 24);
+    assert_int_equal(uncomment(text), 27);
     path = write_config(state, text);
     assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
     assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
@@ -318,6 +318,9 @@ static void the_shipped_file_has_the_defaults(void **state)
     assert_int_equal(told.user_frames, held.user_frames);
     assert_int_equal(told.user_pixels, held.user_pixels);
     assert_int_equal(told.user_disk_bytes, held.user_disk_bytes);
+    assert_int_equal(told.keep_jobs, held.keep_jobs);
+    assert_int_equal(told.keep_ms, held.keep_ms);
+    assert_int_equal(told.keep_bytes, held.keep_bytes);
     assert_int_equal(told.frame_limit_ms, held.frame_limit_ms);
     assert_int_equal(told.half_life_ms, held.half_life_ms);
     assert_int_equal(told.longest_wait_ms, held.longest_wait_ms);
@@ -347,6 +350,17 @@ static void amounts_have_suffixes(void **state)
     assert_int_equal(options.user_jobs, 0);
     assert_int_equal(options.worker_memory_bytes, -1);
     options_finish(&options);
+    assert_true(
+        PARSE(&options, &user, (char[]){"--keep-jobs=2K"}, (char[]){"--keep-days=0.5"}, (char[]){"--keep-bytes=3G"}));
+    assert_int_equal(options.keep_jobs, 2000);
+    assert_int_equal(options.keep_ms, 12 * 3600 * 1000);
+    assert_int_equal(options.keep_bytes, INT64_C(3) << 30);
+    options_finish(&options);
+    REFUSE("--keep-jobs: expected \"none\"", (char[]){"--keep-jobs=0"});
+    REFUSE("--keep-days: expected \"none\" or a number of days", (char[]){"--keep-days=0"});
+    REFUSE("--keep-days: expected \"none\" or a number of days", (char[]){"--keep-days=30d"});
+    REFUSE("--keep-days: expected \"none\" or a number of days", (char[]){"--keep-days=nan"});
+    REFUSE("--keep-bytes: expected \"none\"", (char[]){"--keep-bytes=-1"});
     REFUSE("--user-jobs: expected \"none\"", (char[]){"--user-jobs=0"});
     REFUSE("--user-disk: expected \"none\"", (char[]){"--user-disk=2TB"});
     REFUSE("--user-disk: expected \"none\"", (char[]){"--user-disk=9999999999T"});

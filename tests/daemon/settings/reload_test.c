@@ -40,7 +40,8 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
                                    "--max-attempts=7", "--admin-group=wheel", "--worker-memory=none", "--half-life=5",
                                    "--user-weight=ann=2"),
                    limits = OPTIONS("--user-jobs=1", "--user-frames=2", "--user-pixels=3", "--user-disk=4",
-                                    "--output-root=/a", "--output-root=/b", "--input-root=/c");
+                                    "--keep-jobs=5", "--keep-days=6", "--keep-bytes=7", "--output-root=/a",
+                                    "--output-root=/b", "--input-root=/c");
     struct reload_changes changes;
 
     reload_take(&held, &fresh, &changes);
@@ -62,6 +63,9 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     assert_int_equal(held.user_frames, 2);
     assert_int_equal(held.user_pixels, 3);
     assert_int_equal(held.user_disk_bytes, 4);
+    assert_int_equal(held.keep_jobs, 5);
+    assert_int_equal(held.keep_ms, INT64_C(6) * 24 * 3600 * 1000);
+    assert_int_equal(held.keep_bytes, 7);
     assert_int_equal(held.output_roots.count, 2);
     assert_string_equal(held.output_roots.paths[1], "/b");
     assert_string_equal(held.input_roots.paths[0], "/c");
