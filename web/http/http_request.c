@@ -91,6 +91,11 @@ const char *http_request_address(const struct http_request *request)
     return request->connection->address;
 }
 
+bool http_request_is_head(const struct http_request *request)
+{
+    return strcmp(request->method, "HEAD") == 0;
+}
+
 bool http_request_is_secure(const struct http_request *request)
 {
     return request->is_secure;
@@ -184,7 +189,7 @@ void http_request_answer(struct http_request *request, const struct http_answer 
     // What was not read of it would be taken for the next request.
     if (!request->has_all) request->wants_close = true;
     compose_head(request, answer, status, answer->size_bytes);
-    if (answer->size_bytes > 0 && !is_cached && strcmp(request->method, "HEAD") != 0) {
+    if (answer->size_bytes > 0 && !is_cached && !http_request_is_head(request)) {
         request->content = xmalloc(LWS_PRE + answer->size_bytes);
         memcpy(request->content + LWS_PRE, answer->bytes, answer->size_bytes);
         request->content_size = answer->size_bytes;

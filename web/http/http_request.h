@@ -40,6 +40,7 @@ const char *http_request_query_at(const struct http_request *request, size_t ind
 const char *http_request_token(const struct http_request *request);                  // NULL: none
 const char *http_request_body(const struct http_request *request, size_t *size_bytes);
 const char *http_request_address(const struct http_request *request); // of the peer, for the log
+bool http_request_is_head(const struct http_request *request);        // only the answer's head is wanted
 bool http_request_is_secure(const struct http_request *request);      // the browser sees an https address
 // True where the browser says that another site made it ask.
 bool http_request_is_from_elsewhere(const struct http_request *request);

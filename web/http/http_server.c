@@ -12,9 +12,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
-enum { SWEEP_MS = 500, SOCKET_PIECE = 64 * 1024, PING_S = 30, SILENCE_S = 90 };
+enum { SWEEP_MS = 500, SOCKET_PIECE = 64 * 1024, PING_S = 30, SILENCE_S = 90, LINGER_TIME_MS = 3000 };
 
 struct http_server {
     struct http_server_params params;
@@ -25,9 +26,14 @@ struct http_server {
     size_t connection_count;
     uv_timer_t sweep;
     void *loops[1];
+    bool is_closing;
+    void (*on_closed)(void *user);
+    void *user;
 };
 
 static int on_lws(struct lws *wsi, enum lws_callback_reasons reason, void *session, void *bytes, size_t size);
+static void free_if_closed(struct http_server *server);
+static void on_sweep_closed(uv_handle_t *handle);
 
 static const struct lws_protocols protocols[] = {
     {.name = "http", .callback = on_lws, .rx_buffer_size = SOCKET_PIECE},
@@ -95,6 +101,7 @@ static void forget_connection(struct http_connection *connection)
     if (connection->next) connection->next->previous = connection->previous;
     server->connection_count--;
     free(connection);
+    free_if_closed(server);
 }
 
 static const struct http_route *find_route(const struct http_server *server, const char *method, const char *path,
@@ -176,6 +183,15 @@ static int on_body_end(struct http_connection *connection)
     return 0;
 }
 
+// A body that is not read is still to come. To close now would reset the connection, and take the answer away from the
+// client: it is told that nothing more comes, and has a moment to read that.
+static int linger(struct http_connection *connection)
+{
+    shutdown(lws_get_socket_fd(connection->wsi), SHUT_WR);
+    http_connection_wait(connection, LINGER_TIME_MS);
+    return 0;
+}
+
 static int on_writable(struct http_connection *connection)
 {
     struct http_request *request = connection->request;
@@ -192,6 +208,7 @@ static int on_writable(struct http_connection *connection)
         lws_callback_on_writable(connection->wsi);
         return 0;
     }
+    if (request->wants_close && !request->has_all) return linger(connection);
     wants_close = request->wants_close;
     http_request_destroy(request);
     connection->request = NULL;
@@ -327,7 +344,7 @@ struct http_server *http_server_open(const struct http_server_params *params, st
         uv_timer_start(&server->sweep, on_sweep, SWEEP_MS, SWEEP_MS);
         return server;
     }
-    http_server_close(server);
+    http_server_close(server, NULL, NULL);
     return NULL;
 }
 
@@ -336,15 +353,27 @@ int http_server_port(const struct http_server *server)
     return http_listener_port(server->listener);
 }
 
-static void on_closed(uv_handle_t *handle)
+static void free_if_closed(struct http_server *server)
+{
+    void (*on_closed)(void *user) = server->on_closed;
+    void *user = server->user;
+
+    if (!server->is_closing || server->first || uv_is_closing((uv_handle_t *)&server->sweep)) return;
+    uv_close((uv_handle_t *)&server->sweep, on_sweep_closed);
+    if (on_closed) on_closed(user);
+}
+
+static void on_sweep_closed(uv_handle_t *handle)
 {
     free(handle->data);
 }
 
-void http_server_close(struct http_server *server)
+void http_server_close(struct http_server *server, void (*on_closed)(void *user), void *user)
 {
-    if (!server) return;
+    server->on_closed = on_closed;
+    server->user = user;
+    server->is_closing = true;
     http_listener_close(server->listener);
     if (server->context) lws_context_destroy(server->context);
-    uv_close((uv_handle_t *)&server->sweep, on_closed);
+    free_if_closed(server);
 }

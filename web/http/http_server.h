@@ -26,5 +26,5 @@ struct http_server_params {
 
 struct http_server *http_server_open(const struct http_server_params *params, struct error *error);
 int http_server_port(const struct http_server *server);
-// Ends all connections. Frees itself when the loop has closed what it has; accepts NULL.
-void http_server_close(struct http_server *server);
+// Ends all connections, and calls `on_closed` when none is left and the server is gone.
+void http_server_close(struct http_server *server, void (*on_closed)(void *user), void *user);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TURN_LIMIT = 64, CLOSE_TIME_MS = 10000 };
+enum { TURN_LIMIT = 64, CLOSE_TIME_MS = 10000, REASON_LIMIT = 100 };
 
 // A message that waits.
 struct outgoing {
@@ -28,7 +28,8 @@ struct http_socket {
     char *message; // owned; what has come of the one that is read
     size_t message_length, message_capacity;
     enum http_socket_code close_code; // 0: it is open
-    const char *close_reason;         // static
+    const char *close_reason;         // static; at most REASON_LIMIT bytes
+    bool is_end_said;
 };
 
 struct http_socket *http_socket_create(struct http_connection *connection, const struct http_socket_handlers *handlers,
@@ -105,11 +106,26 @@ int http_socket_on_established(struct http_socket *socket, const char *token)
     return 0;
 }
 
-// Says why, with the connection's end.
+// Says why. The connection ends when the client has said the same, or at its deadline: libwebsockets' own way to close,
+// with its loop of libuv, ends the connection before the reason has left.
+static int say_end(struct http_socket *socket)
+{
+    unsigned char frame[LWS_PRE + 4 + REASON_LIMIT], *bytes = frame + LWS_PRE;
+    size_t length = strlen(socket->close_reason);
+
+    socket->is_end_said = true;
+    bytes[0] = 0x88; // a whole frame that closes
+    bytes[1] = (unsigned char)(2 + length);
+    bytes[2] = (unsigned char)(socket->close_code >> 8);
+    bytes[3] = (unsigned char)(socket->close_code & 0xff);
+    memcpy(bytes + 4, socket->close_reason, length);
+    return lws_write(socket->connection->wsi, bytes, 4 + length, LWS_WRITE_RAW) < 0 ? -1 : 0;
+}
+
 static int end(struct http_socket *socket, enum http_socket_code code, const char *reason)
 {
-    lws_close_reason(socket->connection->wsi, (enum lws_close_status)code, (unsigned char *)reason, strlen(reason));
-    return -1;
+    http_socket_close(socket, code, reason);
+    return 0;
 }
 
 int http_socket_on_receive(struct http_socket *socket, const char *bytes, size_t size)
@@ -143,7 +159,7 @@ int http_socket_on_writable(struct http_socket *socket)
     if (socket->first) {
         lws_callback_on_writable(wsi);
     } else if (socket->close_code) {
-        return end(socket, socket->close_code, socket->close_reason);
+        return socket->is_end_said ? 0 : say_end(socket);
     }
     if (socket->was_full && !http_socket_is_full(socket)) {
         socket->was_full = false;

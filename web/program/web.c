@@ -3,24 +3,32 @@
 
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/wire/message_stream.h"
+#include "web/farm/farm_calls.h"
 #include "web/http/http_server.h"
 #include "web/http/http_walls.h"
 #include "web/program/web_check.h"
 #include "web/routes/route_files.h"
+#include "web/routes/route_rpc.h"
+#include "web/routes/route_session.h"
+#include "web/routes/route_socket.h"
 #include "web/settings/web_options.h"
 
 #include <signal.h>
 #include <systemd/sd-daemon.h>
 #include <uv.h>
 
-enum { ROUTE_COUNT = 8 };
+enum { ROUTE_COUNT = 16 };
 
 struct web {
     uv_loop_t loop;
     uv_signal_t terminated, interrupted;
     struct http_origins origins;
     struct http_server *server;
+    struct farm_calls *calls;
     struct route_files files;
+    struct route_session session;
+    struct route_socket sockets;
     struct http_route routes[ROUTE_COUNT];
 };
 
@@ -36,17 +44,28 @@ static void answer_health(struct http_request *request, void *user)
 static void lay_out(struct web *web, const struct web_options *options)
 {
     const struct http_route routes[ROUTE_COUNT] = {
-        {.method = "GET", .path = "/", .answer = route_files_front, .user = &web->files},
+        {.method = "GET", .path = "/", .answer = route_session_front, .user = &web->session},
         {.method = "GET", .path = "/page/", .is_prefix = true, .answer = route_files_page, .user = &web->files},
         {.method = "GET", .path = "/vendor/chart.js", .answer = route_files_chart, .user = &web->files},
         {.method = "GET", .path = "/openrpc.json", .answer = route_files_document, .user = &web->files},
         {.method = "GET", .path = "/schema.json", .answer = route_files_document, .user = &web->files},
         {.method = "GET", .path = "/healthz", .answer = answer_health},
+        {.method = "GET", .path = "/readyz", .answer = route_session_ready, .user = &web->session},
+        {.method = "GET", .path = "/session", .needs_token = true, .answer = route_session_show, .user = &web->session},
+        {.method = "POST", .path = "/logout", .answer = route_session_end, .user = &web->session},
+        {.method = "POST",
+         .path = "/rpc",
+         .needs_token = true,
+         .body_limit = MESSAGE_LINE_LIMIT,
+         .answer = route_rpc,
+         .user = web->calls},
     };
 
     web->files = (struct route_files){.page_folder = options->page_folder,
                                       .document_folder = options->document_folder,
                                       .chart_file = options->chart_file};
+    web->session = (struct route_session){.calls = web->calls, .files = &web->files};
+    web->sockets = (struct route_socket){.loop = &web->loop, .socket_path = options->socket_path};
     for (int i = 0; i < ROUTE_COUNT; i++)
         web->routes[i] = routes[i];
 }
@@ -58,10 +77,21 @@ static void watch_signal(struct web *web, uv_signal_t *handle, int number)
     uv_signal_start(handle, on_signal, number);
 }
 
+// No request is left that could call the daemon.
+static void on_server_closed(void *user)
+{
+    farm_calls_destroy(((struct web *)user)->calls);
+}
+
 static void stop(struct web *web)
 {
-    http_server_close(web->server);
+    struct http_server *server = web->server;
+
     web->server = NULL;
+    if (server)
+        http_server_close(server, on_server_closed, web);
+    else
+        on_server_closed(web);
     uv_close((uv_handle_t *)&web->terminated, NULL);
     uv_close((uv_handle_t *)&web->interrupted, NULL);
 }
@@ -90,12 +120,15 @@ bool web_run(const struct web_options *options, struct error *error)
                                         .address = options->listen,
                                         .origins = &web.origins,
                                         .routes = web.routes,
+                                        .sockets = &route_socket_handlers,
+                                        .sockets_user = &web.sockets,
                                         .connection_limit = (size_t)options->connection_limit,
                                         .address_limit = (size_t)options->address_limit};
     bool is_begun;
 
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&web.loop);
+    web.calls = farm_calls_create(&web.loop, options->socket_path);
     lay_out(&web, options);
     watch_signal(&web, &web.terminated, SIGTERM);
     watch_signal(&web, &web.interrupted, SIGINT);
