@@ -12,8 +12,7 @@ static void print_files(int64_t id, int64_t removed, int64_t kept, int64_t found
 {
     printf("job %" PRId64 ": deleted, with %" PRId64 " file%s", id, removed, removed == 1 ? "" : "s");
     if (kept > 0)
-        printf("; %" PRId64 " %s no longer what it published and stay%s", kept, kept == 1 ? "is" : "are",
-               kept == 1 ? "s" : "");
+        printf("; %" PRId64 " stay%s: changed since, or retried and not rendered again", kept, kept == 1 ? "s" : "");
     if (found > 0) printf("; %" PRId64 " that it found there and did not render stay%s", found, found == 1 ? "s" : "");
     printf("\n");
 }

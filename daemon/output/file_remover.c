@@ -20,6 +20,7 @@
 struct removal {
     struct file_remover *remover;
     int folder_fd; // -1: the folder is gone
+    bool *is_told; // owned; of each frame: its row says what its file is
 };
 
 // Compares inode, size and time: the file of a later job may have got the same inode.
@@ -38,7 +39,9 @@ static bool on_row(void *user, const struct store_frame *row, struct error *erro
     char name[OUTPUT_NAME_SIZE];
     struct stat status;
 
-    if (row->state != FRAME_SUCCEEDED || row->index >= frame_range_count(remover->frames)) return true;
+    if (row->index >= frame_range_count(remover->frames)) return true;
+    removal->is_told[row->index] = row->state == FRAME_SUCCEEDED || row->state == FRAME_SKIPPED;
+    if (row->state != FRAME_SUCCEEDED) return true;
     output_path_format_name(remover->path, frame_range_at(remover->frames, row->index), name);
     if (removal->folder_fd < 0 || fstatat(removal->folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0) {
         remover->missing++;
@@ -57,12 +60,28 @@ static bool on_row(void *user, const struct store_frame *row, struct error *erro
     return true;
 }
 
+// A frame that was retried and then canceled, or failed, has its older file still, which no row describes.
+static void count_others(const struct removal *removal)
+{
+    struct file_remover *remover = removal->remover;
+    int64_t count = removal->folder_fd < 0 ? 0 : frame_range_count(remover->frames);
+    char name[OUTPUT_NAME_SIZE];
+
+    for (int64_t i = 0; i < count; i++) {
+        if (removal->is_told[i]) continue;
+        output_path_format_name(remover->path, frame_range_at(remover->frames, i), name);
+        remover->kept += faccessat(removal->folder_fd, name, F_OK, AT_SYMLINK_NOFOLLOW) == 0;
+    }
+}
+
 static bool remove_files(struct file_remover *remover, int folder_fd, struct error *error)
 {
     struct store_reader *reader = store_reader_open(remover->state_folder, error);
-    struct removal removal = {remover, folder_fd};
+    struct removal removal = {remover, folder_fd, xcalloc((size_t)frame_range_count(remover->frames) + 1, sizeof(bool))};
     bool ok = reader && store_read_frames(reader, remover->job, 0, INT32_MAX, on_row, &removal, error);
 
+    if (ok) count_others(&removal);
+    free(removal.is_told);
     store_reader_close(reader);
     return ok && (folder_fd < 0 || publish_sync(folder_fd, error));
 }

@@ -19,7 +19,7 @@ struct file_remover {
     bool may_remove_folder; // when it is empty after the removal
     // Results: counts of files, also valid after a failure.
     int64_t removed;
-    int64_t kept;    // replaced or changed since
+    int64_t kept;    // replaced or changed since, or of a frame whose retry was canceled or failed
     int64_t missing; // moved or removed by others
     int64_t removed_bytes;
 };

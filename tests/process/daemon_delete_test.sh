@@ -52,6 +52,14 @@ expect "a later job's files" "$(delete "$first" true | jq -c .result)" '{"files_
 expect "the later job's" "$(delete "$second" true | jq -c .result)" '{"files_removed":4,"files_kept":0,"files_missing":0,"files_found":0}'
 [ -d "$scratch/out/c" ] || fail "the folder of a job that waits is gone"
 ask job.cancel "{\"id\":$third}" >/dev/null
+# The files of frames whose retry was canceled stay, and are counted.
+id=$(done_job "$(job 1-5 '.output.path = "again/g.####.exr"')")
+ask daemon.drain >/dev/null
+ask job.retry "{\"id\":$id,\"state\":\"succeeded\",\"range\":\"2-4\",\"force\":true}" >/dev/null
+ask job.cancel "{\"id\":$id}" >/dev/null
+ask daemon.undrain >/dev/null
+wait_state "$id" canceled
+expect "after a canceled retry" "$(delete "$id" true | jq -c .result)" '{"files_removed":2,"files_kept":3,"files_missing":0,"files_found":0}'
 # A folder that is gone does not hinder the deletion.
 id=$(done_job "$(job 1-3 '.output.path = "d/g.####.exr"')")
 rm -r "$scratch/out/d"
