@@ -119,6 +119,7 @@ static bool serve(struct worker *worker, int signal_fd)
 {
     int64_t next_beat_ms = now_ms(), deadline_ms = INT64_MAX;
 
+    take_lines(worker); // what came with the fence is here already
     for (struct state state = read_state(worker); !state.has_ended; state = read_state(worker)) {
         int64_t now = now_ms();
 

@@ -106,6 +106,7 @@ bool request_answer_picture(const struct json_node *params, const struct request
     if (view.fd < 0) return false;
     ok = view_write(&view, &result, &fault, error);
     if (!ok && fault == VIEW_FAULT_PARAMS) *code = MESSAGE_CODE_PARAMS;
+    if (!ok && fault == VIEW_FAULT_OUTPUT) *code = MESSAGE_CODE_STORE;
     ok = ok && image_exr_names_read(view.fd, &names, error);
     if (ok) write_view(&result, &names, writer);
     image_exr_names_finish(&names);

@@ -104,7 +104,7 @@ static unsigned char encode_depth(const struct view *view, float depth)
     return (unsigned char)lround(255.0 * (FAR_GREY + (1.0 - FAR_GREY) * fmin(fmax(at, 0.0), 1.0)));
 }
 
-static bool write_png(struct view *view, double stops, struct error *error)
+static bool write_png(struct view *view, double stops, enum view_fault *fault, struct error *error)
 {
     const struct view_shrink *shrink = &view->shrink;
     size_t count = (size_t)shrink->width_px * (size_t)shrink->height_px;
@@ -125,6 +125,7 @@ static bool write_png(struct view *view, double stops, struct error *error)
             rgb[3 * i + c] =
                 view->channel.kind == VIEW_DEPTH ? encode_depth(view, value) : srgb_table_encode(&table, value * gain);
         }
+    *fault = VIEW_FAULT_OUTPUT;
     ok = image_png_quick_write(view->params->out, rgb, shrink->width_px, shrink->height_px, error);
     free(rgb);
     return ok;
@@ -137,7 +138,7 @@ static double find_stops(const struct view *view)
 }
 
 static bool draw(struct view *view, const struct image_exr_facts *facts, struct view_result *result,
-                 struct error *error)
+                 enum view_fault *fault, struct error *error)
 {
     bool is_depth = view->channel.kind == VIEW_DEPTH, has_depth;
 
@@ -154,7 +155,7 @@ static bool draw(struct view *view, const struct image_exr_facts *facts, struct 
                                    .exposure = is_depth ? NAN : find_stops(view),
                                    .near = has_depth ? (double)view->near : NAN,
                                    .far = has_depth ? (double)view->far : NAN};
-    return write_png(view, is_depth ? 0.0 : result->exposure, error);
+    return write_png(view, is_depth ? 0.0 : result->exposure, fault, error);
 }
 
 bool view_write(const struct view_params *params, struct view_result *result, enum view_fault *fault,
@@ -167,7 +168,7 @@ bool view_write(const struct view_params *params, struct view_result *result, en
     *fault = VIEW_FAULT_FILE;
     if (!image_exr_read(params->fd, NULL, &facts, 1, error)) return false;
     view.width_px = facts.width_px;
-    ok = lay_out(&view, &facts, fault, error) && draw(&view, &facts, result, error);
+    ok = lay_out(&view, &facts, fault, error) && draw(&view, &facts, result, fault, error);
     view_channel_finish(&view.channel);
     view_shrink_finish(&view.shrink);
     free(view.exposure);

@@ -28,8 +28,9 @@ struct view_result {
 };
 
 enum view_fault {
-    VIEW_FAULT_FILE,  // it cannot be read
-    VIEW_FAULT_PARAMS // it has no such channel, or no such part
+    VIEW_FAULT_FILE,   // it cannot be read
+    VIEW_FAULT_PARAMS, // it has no such channel, or no such part
+    VIEW_FAULT_OUTPUT  // the PNG cannot be written
 };
 
 // Pixels are averaged as linear light, never enlarged; values that are not finite count as 0.
