@@ -1,0 +1,36 @@
+// Has a worker make one picture: a process of its own, which may read this one file and write into its own folder.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/pictures/picture_status.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct picture_place;
+struct picture_query;
+
+enum { PICTURE_MADE_FACTS = 400 };
+
+struct picture_maker {
+    const char *program;           // of the worker; borrowed, like the next two
+    const char *folder;            // absolute; its own, and empty between two pictures
+    const atomic_bool *is_stopped; // it gives up at once
+    int folder_fd;                 // owned; the same
+    int64_t memory_bytes;
+    int limit_ms;
+};
+
+extern const char picture_maker_file[]; // the name of what it makes, in its folder
+
+// Makes the folder, where it is missing.
+bool picture_maker_open(struct picture_maker *maker, struct error *error);
+void picture_maker_close(struct picture_maker *maker);
+// Makes the PNG, or the JSON of the header, as that file. It returns after the worker has ended. `facts` receives what
+// is known of a picture, as one JSON object of numbers.
+enum picture_status picture_maker_run(const struct picture_maker *maker, const struct picture_place *place,
+                                      const struct picture_query *query, char facts[static PICTURE_MADE_FACTS + 1],
+                                      struct error *error);
+void picture_maker_sweep(const struct picture_maker *maker); // removes what is in the folder

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/pictures/picture_query.h"
+
+#include "core/base/error.h"
+#include "core/base/utf8.h"
+#include "core/job/frame_range.h"
+#include "core/json/json_write.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { VALUE_LIMIT = PICTURE_CHANNEL_LIMIT, SIDE_LIMIT = 16384, SIZE_LIMIT = 4096 };
+static const double EXPOSURE_LIMIT_STOPS = 60;
+static const char prefix[] = "/frame/";
+
+bool picture_query_is_one(const char *path)
+{
+    return strncmp(path, prefix, strlen(prefix)) == 0;
+}
+
+// Reads digits, and returns what follows; NULL: there are none, or the number is over the limit.
+static const char *read_digits(const char *text, int64_t limit, int64_t *number)
+{
+    const char *at = text;
+
+    *number = 0;
+    for (; *at >= '0' && *at <= '9'; at++) {
+        *number = 10 * *number + (*at - '0');
+        if (*number > limit) return NULL;
+    }
+    return at > text ? at : NULL;
+}
+
+static bool read_path(struct picture_query *query, const char *path, struct error *error)
+{
+    const char *at =
+        picture_query_is_one(path) ? read_digits(path + strlen(prefix), INT64_C(1) << 53, &query->job) : NULL;
+    int64_t frame = 0;
+
+    if (at && *at == '/') {
+        at = read_digits(at + 1, FRAME_NUMBER_LIMIT - 1, &frame);
+        query->frame = (int32_t)frame;
+        if (at && !strcmp(at, ".png")) return true;
+        query->form = PICTURE_FORM_HEADER;
+        if (at && !strcmp(at, ".json")) return true;
+    }
+    error_set(error, "expected /frame/JOB/N.png or /frame/JOB/N.json");
+    return false;
+}
+
+static int read_hex(char digit)
+{
+    if (digit >= '0' && digit <= '9') return digit - '0';
+    if (digit >= 'a' && digit <= 'f') return digit - 'a' + 10;
+    if (digit >= 'A' && digit <= 'F') return digit - 'A' + 10;
+    return -1;
+}
+
+// Decodes "%41+b" as "A b".
+static bool decode(const char *text, size_t length, char value[static VALUE_LIMIT + 1])
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < length; i++) {
+        char byte = text[i] == '+' ? ' ' : text[i];
+
+        if (byte == '%') {
+            int high = i + 2 < length ? read_hex(text[i + 1]) : -1, low = high >= 0 ? read_hex(text[i + 2]) : -1;
+
+            if (low < 0) return false;
+            byte = (char)(high * 16 + low);
+            i += 2;
+        }
+        if (byte == '\0' || count == VALUE_LIMIT) return false;
+        value[count++] = byte;
+    }
+    value[count] = '\0';
+    return true;
+}
+
+static bool read_pixels(const char *name, const char *value, int min, int max, int *pixels, struct error *error)
+{
+    int64_t number;
+    const char *end = read_digits(value, max, &number);
+
+    *pixels = (int)number;
+    if (end && *end == '\0' && number >= min) return true;
+    error_set(error, "%s: expected a number of pixels from %d to %d", name, min, max);
+    return false;
+}
+
+static bool read_exposure(struct picture_query *query, const char *value, struct error *error)
+{
+    char *end = NULL;
+
+    errno = 0;
+    query->has_exposure = true;
+    // strtod also knows "inf", "nan" and hexadecimal numbers, which have letters.
+    query->exposure = value[strspn(value, "+-.0123456789eE")] == '\0' ? strtod(value, &end) : NAN;
+    if (end && end != value && *end == '\0' && !errno && fabs(query->exposure) <= EXPOSURE_LIMIT_STOPS) return true;
+    error_set(error, "exposure: expected a number of stops from -%g to %g", EXPOSURE_LIMIT_STOPS, EXPOSURE_LIMIT_STOPS);
+    return false;
+}
+
+static bool read_channel(struct picture_query *query, const char *value, struct error *error)
+{
+    bool is_name = *value != '\0';
+
+    for (const char *at = value; *at;) {
+        size_t length = utf8_character_length(at, strlen(at));
+
+        is_name = is_name && length > 0;
+        at += length > 0 ? length : 1;
+    }
+    if (!is_name || utf8_find_hidden(value)) {
+        error_set(error, "channel: expected the name of a channel");
+        return false;
+    }
+    // Colour is what is shown without a channel: both are one picture.
+    if (strcmp(value, "color") != 0) strcpy(query->channel, value);
+    return true;
+}
+
+static const char *const names[] = {"channel", "exposure", "x", "y", "w", "h", "size"};
+enum { NAME_COUNT = sizeof names / sizeof names[0] };
+
+static bool read_value(struct picture_query *query, const char *name, const char *value, struct error *error)
+{
+    switch (name[0]) {
+    case 'c':
+        return read_channel(query, value, error);
+    case 'e':
+        return read_exposure(query, value, error);
+    case 'x':
+        return read_pixels(name, value, 0, SIDE_LIMIT, &query->x, error);
+    case 'y':
+        return read_pixels(name, value, 0, SIDE_LIMIT, &query->y, error);
+    case 'w':
+        return read_pixels(name, value, 1, SIDE_LIMIT, &query->width, error);
+    case 'h':
+        return read_pixels(name, value, 1, SIDE_LIMIT, &query->height, error);
+    default:
+        return read_pixels(name, value, 1, SIZE_LIMIT, &query->size, error);
+    }
+}
+
+static int find_name(const char *text, size_t length)
+{
+    for (int i = 0; i < NAME_COUNT; i++)
+        if (strlen(names[i]) == length && !strncmp(names[i], text, length)) return i;
+    return -1;
+}
+
+// Reads "NAME=VALUE".
+static bool read_pair(struct picture_query *query, const char *pair, size_t length, unsigned *seen, struct error *error)
+{
+    const char *equals = memchr(pair, '=', length);
+    size_t name_length = equals ? (size_t)(equals - pair) : length;
+    int name = find_name(pair, name_length);
+    char value[VALUE_LIMIT + 1];
+
+    if (name < 0 || !equals) {
+        error_set(error, "expected channel, exposure, x, y, w, h or size, each with =VALUE");
+        return false;
+    }
+    if (*seen & 1U << name) {
+        error_set(error, "%s: expected once", names[name]);
+        return false;
+    }
+    *seen |= 1U << name;
+    if (decode(equals + 1, length - name_length - 1, value)) return read_value(query, names[name], value, error);
+    error_set(error, "%s: expected at most %d bytes, and %%XX for special ones", names[name], VALUE_LIMIT);
+    return false;
+}
+
+bool picture_query_parse(struct picture_query *query, const char *path, const char *text, struct error *error)
+{
+    unsigned seen = 0;
+
+    *query = (struct picture_query){0};
+    if (!read_path(query, path, error)) return false;
+    if (query->form == PICTURE_FORM_HEADER && text && *text) {
+        error_set(error, "expected nothing after the question mark, for a header has no parts");
+        return false;
+    }
+    while (text && *text) {
+        size_t length = strcspn(text, "&");
+
+        if (!read_pair(query, text, length, &seen, error)) return false;
+        text += length;
+        if (*text == '&') text++;
+    }
+    return true;
+}
+
+static void write_pixels(struct json_writer *writer, const char *key, int pixels)
+{
+    if (pixels > 0) json_write_integer_member(writer, key, pixels);
+}
+
+void picture_query_write(const struct picture_query *query, struct json_writer *writer)
+{
+    if (query->channel[0]) json_write_string_member(writer, "channel", query->channel);
+    if (query->has_exposure) json_write_number_member(writer, "exposure", query->exposure);
+    write_pixels(writer, "x", query->x);
+    write_pixels(writer, "y", query->y);
+    write_pixels(writer, "width", query->width);
+    write_pixels(writer, "height", query->height);
+    write_pixels(writer, "size", query->size);
+}
