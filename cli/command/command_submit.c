@@ -4,6 +4,7 @@
 #include "cli/farm/follow.h"
 #include "cli/farm/job_report.h"
 #include "cli/job/job_document.h"
+#include "cli/job/job_notify_set.h"
 #include "cli/job/job_summary.h"
 #include "cli/job/json_set.h"
 #include "cli/peer/connection.h"
@@ -35,6 +36,10 @@ static char *load_document(const struct options *options, struct error *error)
         return NULL;
     }
     if (document && options->range && !json_set_text(&document, "frames", options->range, error)) {
+        free(document);
+        return NULL;
+    }
+    if (document && options->notify && !job_notify_set(&document, options->notify, error)) {
         free(document);
         return NULL;
     }
@@ -88,6 +93,16 @@ static enum exit_status show_plan(const struct options *options, const struct jo
     return EXIT_STATUS_DONE;
 }
 
+// What the daemon could not check; the job is taken all the same.
+static void print_warnings(const struct json_node *result)
+{
+    struct json_node warnings = json_node_child(result, "warnings"), warning = {0};
+    const char *text;
+
+    while (json_node_type(&warnings) == JSON_ARRAY && json_node_next(&warnings, &warning))
+        if (json_read_string(&warning, &text, NULL)) fprintf(stderr, "warning: %s\n", text);
+}
+
 static bool send_document(const struct options *options, struct connection *connection, const char *document,
                           int64_t *id, struct error *error)
 {
@@ -109,6 +124,7 @@ static bool send_document(const struct options *options, struct connection *conn
     }
     node = json_node_child(&reply.body, "id");
     ok = json_read_integer(&node, 1, INT64_C(1) << 52, id, error);
+    if (!options->json) print_warnings(&reply.body);
     message_finish(&reply);
     return ok;
 }

@@ -23,7 +23,7 @@ enum { ANY = 1 << 20 };
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1,
      DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(RECONNECT) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) |
-         BIT(PRIORITY) | BIT(POOL),
+         BIT(PRIORITY) | BIT(POOL) | BIT(NOTIFY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
      "march submit --watch --frames 0-99 jobs/cloud.json", command_submit},
     {"list", "", 0, 0, DAEMON | BIT(STATE) | BIT(OWNER) | BIT(NAME) | BIT(SINCE) | BIT(LIMIT), "Lists the jobs.",

@@ -94,6 +94,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                      "only jobs that ended before: 30d, 12h, 2026-03-01"},
     [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
                       "render also frames whose files are there, whole and of this job"},
+    [OPTION_NOTIFY] = {"notify", KIND_TEXT, FIELD(notify), "NAME:EVENT[,EVENT]", 0, 0,
+                       "tell this target of the farm when the job is done, failed, waiting or missed"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "longest time of a picture (default 60; with --quick 8)"},
 };

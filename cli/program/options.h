@@ -56,6 +56,7 @@ enum option {
     OPTION_SINCE,
     OPTION_LIMIT,
     OPTION_OVER,
+    OPTION_NOTIFY,
     OPTION_COUNT
 };
 
@@ -71,6 +72,7 @@ struct options {
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;
+    const char *notify;    // NAME:EVENT,EVENT, as job_notify_parse reads it; NULL: not given
     const char **operands; // owned array; all but options
     size_t operand_count;
 };

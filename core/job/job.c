@@ -8,6 +8,7 @@ void job_finish(struct job *job)
     free(job->name);
     free(job->pool);
     job_notes_finish(&job->notes);
+    job_notify_finish(&job->notify);
     frame_range_finish(&job->frames);
     scene_finish(&job->scene);
     output_path_finish(&job->output.path);

@@ -6,6 +6,7 @@
 #include "core/job/frame_order.h"
 #include "core/job/frame_range.h"
 #include "core/job/job_notes.h"
+#include "core/job/job_notify.h"
 #include "core/job/output_path.h"
 #include "core/scene/scene.h"
 
@@ -137,6 +138,7 @@ struct job_output {
 struct job {
     char *name; // owned
     struct job_notes notes;
+    struct job_notify notify;
     struct frame_range frames;
     int64_t fps_numerator, fps_denominator; // in lowest terms, each up to 1e9
     double time_offset;                     // s

@@ -7,6 +7,7 @@
 #include "core/job/job_check.h"
 #include "core/job/job_hash.h"
 #include "core/job/job_notes.h"
+#include "core/job/job_notify.h"
 #include "core/job/quality_json.h"
 #include "core/job/schedule_json.h"
 #include "core/scene/scene_json.h"
@@ -177,7 +178,7 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
     static const char *const keys[] = {"version",    "name",    "frames",   "fps",        "time_offset",
                                        "resolution", "camera",  "lights",   "background", "scene",
                                        "quality",    "output",  "priority", "order",      "frame_limit",
-                                       "pool",       "comment", "tags",     NULL};
+                                       "pool",       "comment", "tags",     "notify",     NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
     struct scene_times times;
 
@@ -188,7 +189,9 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
     if (!json_node_is_absent(&time_offset) &&
         !json_read_number(&time_offset, -TIME_MAX, TIME_MAX, &job->time_offset, error))
         return false;
-    if (!schedule_from_json(job, document, error) || !job_notes_from_json(&job->notes, document, error)) return false;
+    if (!schedule_from_json(job, document, error) || !job_notes_from_json(&job->notes, document, error) ||
+        !job_notify_from_json(&job->notify, document, error))
+        return false;
     times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
     return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&
            read_output(&job->output, document, output_root, error) && job_check(job, document, error);

@@ -122,3 +122,21 @@ bool options_value_level(const char *text, enum log_level *level, struct error *
     error_set(error, "--log-level: expected debug, info, warning or error, got \"%s\"", text);
     return false;
 }
+
+char *options_value_path(const char *name, const char *text, const char *current_folder, struct error *error)
+{
+    char *path;
+
+    if (!*text) {
+        error_set(error, "--%s: expected a path, got nothing", name);
+        return NULL;
+    }
+    if (text[0] != '/' && !current_folder) {
+        error_set(error, "--%s: expected an absolute path, got \"%s\"", name, text);
+        return NULL;
+    }
+    path = text[0] == '/' ? xstrdup(text) : xasprintf("%s/%s", current_folder, text);
+    for (size_t length = strlen(path); length > 1 && path[length - 1] == '/'; length--)
+        path[length - 1] = '\0';
+    return path;
+}

@@ -24,3 +24,6 @@ bool options_value_switch(const char *name, const char *text, bool *is_on, struc
 bool options_value_name(const char *name, const char *text, bool may_be_empty, char **value, struct error *error);
 bool options_value_backend(const char *text, char **backend, struct error *error); // replaces an owned string
 bool options_value_level(const char *text, enum log_level *level, struct error *error);
+// An absolute path without slashes at its end, owned by the caller; NULL on failure. Without `current_folder`, `text`
+// has to be absolute.
+char *options_value_path(const char *name, const char *text, const char *current_folder, struct error *error);

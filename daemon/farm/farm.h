@@ -3,7 +3,9 @@
 #pragma once
 
 #include "daemon/farm/job_table.h"
+#include "daemon/farm/notice_targets.h"
 #include "daemon/farm/root_table.h"
+#include "daemon/schedule/notice_list.h"
 #include "daemon/schedule/plan_desk.h"
 #include "daemon/users/quota.h"
 #include "daemon/users/rights.h"
@@ -71,11 +73,14 @@ struct farm {
     int64_t started_ms;       // unix time
     int64_t shares_stored_ms; // monotonic; when the owners' use was stored last
     struct rights rights;
-    struct token_table tokens;    // owned
-    int64_t wrong_tokens_told_ms; // monotonic; when the log was told of a wrong token last
-    int64_t wrong_tokens_untold;  // since then
-    struct plan_desk desk;        // owned; the plans that are being made
-    struct farm_drain drain;      // owned
+    struct token_table tokens;     // owned
+    int64_t wrong_tokens_told_ms;  // monotonic; when the log was told of a wrong token last
+    int64_t wrong_tokens_untold;   // since then
+    struct plan_desk desk;         // owned; the plans that are being made
+    struct farm_drain drain;       // owned
+    struct notice_list notices;    // owned; those that wait for delivery
+    struct notice_targets targets; // owned; whom march-web can tell
+    int64_t next_notice_id;
     farm_reload *reload;
     void *reload_user;
     bool wants_feed; // a worker may take frames: they are assigned at the end of the iteration

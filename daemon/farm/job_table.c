@@ -13,6 +13,7 @@ static void record_destroy(struct job_record *record)
     free(record->name);
     free(record->owner);
     job_notes_finish(&record->notes);
+    job_notify_finish(&record->notify);
     free(record->root);
     free(record->reason);
     free(record->intents);

@@ -7,10 +7,12 @@
 #include "core/job/input_roots.h"
 #include "core/job/job.h"
 #include "core/job/job_notes.h"
+#include "core/job/job_notify.h"
 #include "core/job/output_path.h"
 #include "core/wire/frame_accuracy.h"
 #include "daemon/farm/root_table.h"
 #include "daemon/schedule/estimate.h"
+#include "daemon/schedule/notice_causes.h"
 #include "daemon/schedule/queue.h"
 #include "daemon/store/store_op.h"
 #include "daemon/users/quota.h"
@@ -44,6 +46,7 @@ struct job_record {
     struct queue_job *queued; // borrowed from the queue
     char *name, *owner;       // owned
     struct job_notes notes;
+    struct job_notify notify;
     int64_t owner_uid;
     char *root;                                    // owned; output root below which it was accepted
     struct root *output_root;                      // borrowed from the farm; `root` is its path
@@ -64,8 +67,10 @@ struct job_record {
     struct job_accuracy latest;
     struct store_frame *intents; // owned; of queued frames: published or not, says the root when it is back
     size_t intent_count, intent_capacity;
-    int frames_in_flight;                    // frames that workers hold or that are being published
-    int failed_starts;                       // consecutive workers for it that ended before they were ready
+    struct notice_told told[NOTICE_CAUSE_COUNT]; // by enum notice_cause
+    bool is_end_told;                            // the notice of its end is stored, as far as somebody wants it
+    int frames_in_flight;                        // frames that workers hold or that are being published
+    int failed_starts;                           // consecutive workers for it that ended before they were ready
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
     int root_doubts;                         // faults of a root that was there all the same, since the latest frame
     bool is_output_checked;                  // a check of its output is under way

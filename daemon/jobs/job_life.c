@@ -7,6 +7,8 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/frame_metrics.h"
+#include "daemon/jobs/notice_watch.h"
+#include "daemon/jobs/notices.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -61,7 +63,12 @@ void job_life_note_swept(struct farm *farm, struct job_record *record, bool was_
     record->is_sweeping = false;
     record->needs_sweep = was_away;
     record->is_swept = record->is_ending;
-    farm_store_job(farm, record);
+    if (!record->is_ending) {
+        farm_store_job(farm, record);
+        return;
+    }
+    notice_watch_look(farm, record); // a frame may have missed a moment ago
+    notices_store_end(farm, record, job_record_format_op(record));
 }
 
 void job_life_hold(struct farm *farm, struct job_record *record, const char *why)

@@ -9,6 +9,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/notice_watch.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/work_desk.h"
 #include "daemon/schedule/queue_search.h"
@@ -185,7 +186,7 @@ static void log_retry(const struct job_retry *retry)
 
 static void revive(struct job_record *record)
 {
-    record->is_ending = record->is_swept = false;
+    record->is_ending = record->is_swept = record->is_end_told = false;
     record->finished_ms = 0;
     if (!record->queued->has_started) record->started_ms = 0;
     if (!record->queued->is_paused) job_record_set_reason(record, NULL);
@@ -210,6 +211,7 @@ static void queue_part(struct job_retry *retry)
     uncount_files(retry);
     if (queued > 0 && retry->retried == 0) log_retry(retry);
     if (queued > 0) revive(record);
+    notice_watch_look(farm, record);
     retry->retried += queued;
     retry->first = retry->end;
     ops[0].reset.indices = retry->rows;

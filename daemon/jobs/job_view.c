@@ -87,6 +87,13 @@ static char *format_lack(const struct farm *farm, const struct job_record *recor
     return xasprintf("waits: %s", error.message);
 }
 
+char *job_view_format_lack(const struct farm *farm, const struct job_record *record)
+{
+    char *trouble = format_lack(farm, record);
+
+    return trouble ? trouble : worker_pool_format_trouble(farm->pool, record);
+}
+
 static char *reason_to_wait(const struct farm *farm, const struct job_record *record)
 {
     const char *store_trouble = committer_trouble(farm->committer);
@@ -98,8 +105,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     if (farm->drain.user) return farm_format_drain(farm);
     if (record->queued->states.counts[FRAME_RUNNING] > 0) return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
-    trouble = format_lack(farm, record);
-    if (!trouble) trouble = worker_pool_format_trouble(farm->pool, record);
+    trouble = job_view_format_lack(farm, record);
     if (trouble) return trouble;
     next = find_next(farm, record->queued);
     if (next && next != record->queued) return format_turn(farm, record, next);
@@ -263,6 +269,29 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     json_write_string_member(writer, "reason", reason);
     job_notes_write_members(&record->notes, writer);
     free(range);
+    free(reason);
+}
+
+void job_view_write_outline(const struct farm *farm, struct job_record *record, const char *why,
+                            struct json_writer *writer)
+{
+    const struct queue_job *queued = record->queued;
+    char *reason = why ? xstrdup(why) : format_reason(farm, record);
+
+    json_write_integer_member(writer, "id", record->id);
+    json_write_string_member(writer, "name", record->name);
+    json_write_string_member(writer, "state", job_state_name(queue_job_state(queued)));
+    json_write_bool_member(writer, "draft", record->facts.is_draft);
+    json_write_integer_member(writer, "priority", queued->priority);
+    json_write_string_member(writer, "owner", record->owner);
+    write_time(writer, "submitted", record->submitted_ms);
+    write_time(writer, "started", record->started_ms);
+    write_time(writer, "finished", record->finished_ms);
+    write_counts(queued, writer);
+    write_pattern(record, writer);
+    json_write_string_member(writer, "pool", record->pool);
+    json_write_string_member(writer, "reason", reason);
+    job_notes_write_members(&record->notes, writer);
     free(reason);
 }
 

@@ -13,3 +13,9 @@ void job_view_write(const struct farm *farm, struct job_record *record, struct j
 void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer);
 // The members of the object without its braces.
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer);
+// Members that tell what became of the job, without those that may be long or soon wrong. `why` stands in place of its
+// reason; NULL: the job's own.
+void job_view_write_outline(const struct farm *farm, struct job_record *record, const char *why,
+                            struct json_writer *writer);
+// Why no worker can render the job; NULL: some can. Owned by the caller.
+char *job_view_format_lack(const struct farm *farm, const struct job_record *record);

@@ -24,6 +24,7 @@
 #include "daemon/output/output_older.h"
 #include "daemon/requests/job_document.h"
 #include "daemon/requests/request.h"
+#include "daemon/requests/submit_checks.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/workers/worker_pool.h"
@@ -47,6 +48,7 @@ struct job_submit {
     struct job_inputs inputs;  // owned; the same, below their roots
     char *code, *pool;         // owned; as in struct job_record
     struct job_notes notes;    // owned, until the record has them
+    struct job_notify notify;  // likewise
     struct job_facts facts;
     struct frame_order order;
     struct quota_user *user;    // borrowed; the owner
@@ -78,6 +80,7 @@ static void submit_destroy(struct job_submit *submit)
     job_paths_finish(&submit->paths);
     job_inputs_finish(&submit->inputs);
     job_notes_finish(&submit->notes);
+    job_notify_finish(&submit->notify);
     free(submit->code);
     free(submit->pool);
     output_older_finish(&submit->older);
@@ -228,29 +231,11 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     submit->path = job->output.path;
     submit->notes = job->notes;
     job->notes = (struct job_notes){0};
+    submit->notify = job->notify;
+    job->notify = (struct job_notify){0};
     job->frames = (struct frame_range){0};
     job->output.path = (struct output_path){0};
     return submit;
-}
-
-static bool check_peer(struct request *request)
-{
-    if (rights_is_known(&request->client->peer)) return true;
-    request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
-                 "the system does not say who you are (user %s): the job would have no owner", request->client->user);
-    return false;
-}
-
-// A worker may write to everything below its job's folder. In the root itself that would be the files of all users.
-static bool check_folder(struct request *request, const struct job *job, const char *root)
-{
-    if (*job->output.path.folder || rights_is_admin(&request->farm->rights, &request->client->peer)) return true;
-    request_fail(
-        request, MESSAGE_CODE_NOT_ALLOWED,
-        "output.path: expected a folder below %s, as in \"first/first.####.exr\": files in the root itself are "
-        "for administrators",
-        root);
-    return false;
 }
 
 // A root that was never there has no marker to open folders by.
@@ -301,7 +286,7 @@ bool job_submit_start(struct request *request, const struct json_node *document,
 {
     const char *root = choose_root(request, document);
 
-    if (!root || !check_peer(request)) return false;
+    if (!root || !submit_checks_peer(request)) return false;
     job_document_read(request, root, paused, on_document_read);
     return true;
 }
@@ -315,9 +300,10 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     struct job_submit *submit;
 
     if (!output_root || !request_may_have_priority(request, job->priority) ||
-        !check_folder(request, job, reading->root) || !find_inputs(request, &reading->paths, &inputs))
+        !submit_checks_folder(request, job, reading->root) || !find_inputs(request, &reading->paths, &inputs))
         return false;
-    if (!check_limits(request, job) || !check_collisions(request, job, reading->root)) {
+    if (!submit_checks_targets(request, job) || !check_limits(request, job) ||
+        !check_collisions(request, job, reading->root)) {
         job_inputs_finish(&inputs);
         return false;
     }
@@ -456,8 +442,19 @@ static struct job_record *queue_submit(struct job_submit *submit)
     row->name = row->owner = row->root = NULL;
     record->notes = submit->notes;
     submit->notes = (struct job_notes){0};
+    record->notify = submit->notify;
+    submit->notify = (struct job_notify){0};
     submit->code = submit->pool = NULL;
     return record;
+}
+
+static void write_warning(struct json_writer *value)
+{
+    json_write_key(value, "warnings");
+    json_write_begin_array(value);
+    json_write_string(value, "notify: whether the farm has these targets is not known yet: march-web has not said so "
+                             "since the daemon's start");
+    json_write_end_array(value);
 }
 
 static void on_committed(void *user, bool ok, const struct error *error)
@@ -479,6 +476,7 @@ static void on_committed(void *user, bool ok, const struct error *error)
               record->owner);
     json_write_begin_object(&value);
     json_write_integer_member(&value, "id", record->id);
+    if (record->notify.count > 0 && !farm->targets.is_known) write_warning(&value);
     json_write_end_object(&value);
     answer_send_result(submit->answer, &value);
     json_writer_finish(&value);

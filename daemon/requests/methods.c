@@ -6,8 +6,8 @@
 #include <assert.h>
 #include <string.h>
 
-static const struct method *const tables[] = {methods_of_daemon, methods_of_changes, methods_of_jobs,
-                                              methods_of_tokens};
+static const struct method *const tables[] = {methods_of_daemon, methods_of_changes, methods_of_jobs, methods_of_tokens,
+                                              methods_of_notices};
 
 enum { TABLE_COUNT = sizeof tables / sizeof tables[0] };
 

@@ -9,6 +9,7 @@ extern const struct method methods_of_daemon[];
 extern const struct method methods_of_tokens[];
 extern const struct method methods_of_jobs[];    // they tell of jobs
 extern const struct method methods_of_changes[]; // they change jobs
+extern const struct method methods_of_notices[];
 
 enum { METHOD_LIMIT = 64, METHOD_PARAM_LIMIT = 24 };
 

@@ -18,6 +18,7 @@ static const struct member submit_params[] = {
 };
 static const struct member submit_result[] = {
     {"id", "integer", .meaning = "the new job", .min = 1},
+    {"warnings", "string[]", .meaning = "what nobody could check now", .is_optional = true},
     {0},
 };
 

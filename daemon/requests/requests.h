@@ -38,3 +38,5 @@ enum request_outcome requests_job_cancel(struct request *request);
 enum request_outcome requests_job_priority(struct request *request);
 enum request_outcome requests_job_retry(struct request *request);
 enum request_outcome requests_job_delete(struct request *request);
+enum request_outcome requests_notify_pending(struct request *request);
+enum request_outcome requests_notify_done(struct request *request);

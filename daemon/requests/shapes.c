@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/requests/shapes.h"
 
+#include "core/job/job_notify.h"
 #include "core/wire/frame_phase.h"
 #include "daemon/farm/farm.h"
 
@@ -280,29 +281,24 @@ static const struct shape *const event_variants[] = {&shape_job_event,    &shape
                                                      &shape_worker_event, &shape_deleted_event, NULL};
 static const struct shape shape_event = {"event", "The params of a notification `event`.", .variants = event_variants};
 
-const struct shape *const shapes[] = {&shape_job,
-                                      &shape_frame,
-                                      &shape_worker,
-                                      &shape_attempt,
-                                      &shape_root,
-                                      &shape_store,
-                                      &shape_job_counts,
-                                      &shape_frame_counts,
-                                      &shape_node_counts,
-                                      &shape_drain,
-                                      &shape_loop,
-                                      &shape_sample,
-                                      &shape_histogram,
-                                      &shape_any_sample,
-                                      &shape_family,
-                                      &shape_event,
-                                      &shape_job_event,
-                                      &shape_frame_event,
-                                      &shape_phase_event,
-                                      &shape_worker_event,
-                                      &shape_deleted_event,
-                                      &shape_token,
-                                      NULL};
+static const struct member notice_members[] = {
+    {"id", "integer", .meaning = "greater than that of each notice before", .min = 1},
+    {"job", "integer", .meaning = "whose notice it is", .min = 1},
+    {"owner_uid", "integer", .meaning = "of the job"},
+    {"made", "number", .meaning = "unix seconds"},
+    {"event", "string", .meaning = "what happened", .names = job_notify_event_names},
+    {"to", "string?", .meaning = "the name of its target; null: it goes to an address"},
+    {"webhook", "string?", .meaning = "the address"},
+    {"body", "string", .meaning = "what the target gets, as JSON"},
+    {0},
+};
+static const struct shape shape_notice = {"notice", "What a target is to be told.", .members = notice_members};
+
+const struct shape *const shapes[] = {
+    &shape_job,         &shape_frame,        &shape_worker,        &shape_attempt, &shape_root,      &shape_store,
+    &shape_job_counts,  &shape_frame_counts, &shape_node_counts,   &shape_drain,   &shape_loop,      &shape_sample,
+    &shape_histogram,   &shape_any_sample,   &shape_family,        &shape_event,   &shape_job_event, &shape_frame_event,
+    &shape_phase_event, &shape_worker_event, &shape_deleted_event, &shape_token,   &shape_notice,    NULL};
 
 const struct shape *shapes_find(const char *name, size_t length)
 {

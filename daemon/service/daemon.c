@@ -17,6 +17,7 @@
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/job_retry.h"
 #include "daemon/jobs/late_sweep.h"
+#include "daemon/jobs/notice_watch.h"
 #include "daemon/jobs/root_desks.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/loop_turns.h"
@@ -70,6 +71,7 @@ struct daemon {
     struct manager *manager;
     struct root_watch *roots;
     struct job_ageing *ageing;
+    struct notice_watch *notices;
     struct options *options; // borrowed; outlive us
     daemon_read_options *read_options;
     void *read_user; // borrowed; outlives us
@@ -124,6 +126,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->events = events_create(farm);
     daemon->roots = root_watch_create(farm, root_life_note_change);
     daemon->ageing = job_ageing_create(farm);
+    daemon->notices = notice_watch_open(farm);
     farm->pool = worker_pool_create(farm, workers > 0 ? workers : 0, &pool_handlers);
     daemon->keeper = store_keeper_open(farm->loop, &(struct store_keeper_params){.folder = options->state_folder,
                                                                                  .first_ms = FIRST_LOOK_MS,
@@ -178,6 +181,7 @@ static void close_all(struct daemon *daemon)
     watchdog_close(daemon->watchdog);
     manager_close(daemon->manager);
     root_watch_close(daemon->roots);
+    notice_watch_close(daemon->notices);
     worker_pool_close(daemon->farm.pool);
     events_close(daemon->farm.events);
     committer_close(daemon->farm.committer);
@@ -250,6 +254,8 @@ void daemon_destroy(struct daemon *daemon)
     late_sweep_finish(farm);
     free(farm->drain.user);
     free(farm->metrics);
+    notice_list_finish(&farm->notices);
+    notice_targets_finish(&farm->targets);
     quota_finish(&farm->quota);
     token_table_finish(&farm->tokens);
     store_reader_close(farm->reader);

@@ -14,6 +14,7 @@
 #include "daemon/farm/shares.h"
 #include "daemon/farm/token_book.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/notices.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/output/intent.h"
 #include "daemon/service/opening.h"
@@ -91,6 +92,8 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->owner_uid = row->owner_uid;
     record->notes = job.notes;
     job.notes = (struct job_notes){0};
+    record->notify = job.notify;
+    job.notify = (struct job_notify){0};
     record->reason = copy_text(row->reason);
     job_paths_list(&record->inputs, &job);
     record->pool = copy_text(job.pool);
@@ -98,7 +101,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
     record->finished_ms = llabs(row->finished_ms);
-    record->is_ending = record->is_swept = row->finished_ms != 0;
+    record->is_ending = record->is_swept = record->is_end_told = row->finished_ms != 0;
     record->needs_sweep = row->finished_ms < 0;
     record->facts = job_facts_of(&job);
     record->has_old_parts = true;
@@ -236,7 +239,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
     farm->epoch = store_epoch(store);
     farm->next_job_id = store_next_job_id(store);
     farm->next_plan_number = store_next_plan_number(store);
-    return ok;
+    return ok && notices_restore(farm, error);
 }
 
 void restore_end_jobs(struct farm *farm)

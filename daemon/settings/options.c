@@ -42,6 +42,7 @@ enum option_code {
     OPTION_USER_WEIGHT,
     OPTION_POOL,
     OPTION_LAUNCH_SOCKET,
+    OPTION_NOTIFY,
     OPTION_HALF_LIFE,
     OPTION_LONGEST_WAIT,
     OPTION_WORKER_MEMORY,
@@ -84,6 +85,7 @@ static const struct option long_options[] = {
     {"user-weight", required_argument, NULL, OPTION_USER_WEIGHT},
     {"pool", required_argument, NULL, OPTION_POOL},
     {"launch-socket", required_argument, NULL, OPTION_LAUNCH_SOCKET},
+    {"notify", required_argument, NULL, OPTION_NOTIFY},
     {"half-life", required_argument, NULL, OPTION_HALF_LIFE},
     {"longest-wait", required_argument, NULL, OPTION_LONGEST_WAIT},
     {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
@@ -110,31 +112,13 @@ struct setter {
     struct options *options;
     struct mistakes *mistakes;
     const char *current_folder; // NULL: paths must be absolute
-    bool has_output_roots, has_input_roots, has_weights,
-        has_pools; // the source has set such values: it adds more to them
+    bool has_output_roots, has_input_roots, has_weights, has_pools,
+        has_notify; // the source has set such values: it adds more to them
 };
-
-static char *make_path(const struct setter *setter, const char *name, const char *text, struct error *error)
-{
-    char *path;
-
-    if (!*text) {
-        error_set(error, "--%s: expected a path, got nothing", name);
-        return NULL;
-    }
-    if (text[0] != '/' && !setter->current_folder) {
-        error_set(error, "--%s: expected an absolute path, got \"%s\"", name, text);
-        return NULL;
-    }
-    path = text[0] == '/' ? xstrdup(text) : xasprintf("%s/%s", setter->current_folder, text);
-    for (size_t length = strlen(path); length > 1 && path[length - 1] == '/'; length--)
-        path[length - 1] = '\0';
-    return path;
-}
 
 static bool set_path(const struct setter *setter, char **path, const char *name, const char *text, struct error *error)
 {
-    char *made = make_path(setter, name, text, error);
+    char *made = options_value_path(name, text, setter->current_folder, error);
 
     if (!made) return false;
     free(*path);
@@ -146,7 +130,7 @@ static bool set_path(const struct setter *setter, char **path, const char *name,
 static bool add_path(const struct setter *setter, struct path_list *list, bool *has_given, const char *name,
                      const char *text, struct error *error)
 {
-    char *made = make_path(setter, name, text, error);
+    char *made = options_value_path(name, text, setter->current_folder, error);
 
     if (!made) return false;
     if (!*has_given) path_list_finish(list);
@@ -169,6 +153,16 @@ static bool add_pool(struct setter *setter, const char *text, struct error *erro
     if (!setter->has_pools) pool_table_finish(&setter->options->pools);
     setter->has_pools = true;
     return pool_table_add(&setter->options->pools, text, error);
+}
+
+// The first rule of a source replaces the rules of the sources before it.
+static bool add_notify(struct setter *setter, const char *text, struct error *error)
+{
+    if (!setter->has_notify) job_notify_finish(&setter->options->notify);
+    setter->has_notify = true;
+    if (job_notify_parse(&setter->options->notify, text, error)) return true;
+    error_prefix(error, "--notify");
+    return false;
 }
 
 static bool set_folder(struct setter *setter, int code, const char *text, struct error *error)
@@ -250,6 +244,8 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return add_weight(setter, text, error);
     case OPTION_POOL:
         return add_pool(setter, text, error);
+    case OPTION_NOTIFY:
+        return add_notify(setter, text, error);
     case OPTION_HALF_LIFE:
         return options_value_seconds("half-life", text, 1, &options->half_life_ms, error);
     case OPTION_LONGEST_WAIT:
@@ -492,5 +488,6 @@ void options_finish(struct options *options)
     free(options->config_file);
     user_weights_finish(&options->user_weights);
     pool_table_finish(&options->pools);
+    job_notify_finish(&options->notify);
     *options = (struct options){0};
 }

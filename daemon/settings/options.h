@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/base/path_list.h"
+#include "core/job/job_notify.h"
 #include "daemon/settings/pool_options.h"
 #include "daemon/settings/user_weights.h"
 
@@ -57,6 +58,7 @@ struct options {
     int64_t worker_memory_bytes; // memory of one worker; 0: its share of what there is, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
     struct pool_table pools;     // of nodes
+    struct job_notify notify;    // rules that hold for all jobs
     char *launch_socket;         // NULL, or march-launch's, which starts the pools' launchers for the daemon
     const char *version;         // borrowed; set by the program: what a node's must be, too
     enum log_level log_level;

@@ -47,6 +47,8 @@ const char options_help[] =
     "  --user-weight NAME=N    share of the workers of a user who waits, beside 1 for others; repeatable\n"
     "  --half-life SECONDS     half of what a user used of the workers is forgotten in this time (3600)\n"
     "  --longest-wait SECONDS  a user's jobs get a worker after this time, whatever their priority (86400)\n"
+    "  --notify NAME:EVENT,..  tell this target of march-web about all jobs: done, failed, waiting, missed; "
+    "repeatable\n"
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
     "  --new-store             make a new store where a farm was before: after the old one was lost for good\n"
     "  --backup FILE           copy the store to FILE and end, whether a daemon runs or not\n"

@@ -89,6 +89,24 @@ static void take_weights(struct user_weights *current, struct user_weights *fres
     add_name(changes->applied, "user-weight");
 }
 
+static bool is_same_notify(const struct job_notify *a, const struct job_notify *b)
+{
+    if (a->count != b->count) return false;
+    for (size_t i = 0; i < a->count; i++)
+        if (a->rules[i].on != b->rules[i].on || strcmp(a->rules[i].to, b->rules[i].to) != 0) return false;
+    return true;
+}
+
+static void take_notify(struct job_notify *current, struct job_notify *fresh, struct reload_changes *changes)
+{
+    struct job_notify before = *current;
+
+    if (is_same_notify(current, fresh)) return;
+    *current = *fresh;
+    *fresh = before;
+    add_name(changes->applied, "notify");
+}
+
 void reload_take(struct options *current, struct options *fresh, struct reload_changes *changes)
 {
     int64_t level = current->log_level, attempts = current->max_attempts;
@@ -112,6 +130,7 @@ void reload_take(struct options *current, struct options *fresh, struct reload_c
     take_integer(&current->keep_bytes, fresh->keep_bytes, "keep-bytes", changes);
     if (pool_table_swap_terms(&current->pools, &fresh->pools)) add_name(changes->applied, "pool");
     take_weights(&current->user_weights, &fresh->user_weights, changes);
+    take_notify(&current->notify, &fresh->notify, changes);
     take_integer(&current->half_life_ms, fresh->half_life_ms, "half-life", changes);
     take_integer(&current->longest_wait_ms, fresh->longest_wait_ms, "longest-wait", changes);
     take_integer(&current->worker_memory_bytes, fresh->worker_memory_bytes, "worker-memory", changes);

@@ -9,6 +9,7 @@
 #include "daemon/store/store_load.h"
 #include "daemon/store/store_lock.h"
 #include "daemon/store/store_marks.h"
+#include "daemon/store/store_notices.h"
 #include "daemon/store/store_place.h"
 #include "daemon/store/store_repair.h"
 #include "daemon/store/store_reserve.h"
@@ -98,6 +99,7 @@ struct store {
     sqlite3 *db; // owned
     struct store_place place;
     sqlite3_stmt *statements[STATEMENT_COUNT]; // owned
+    struct store_notices *notices;             // owned
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;
@@ -191,6 +193,8 @@ struct store *store_open(const char *folder, bool *is_full, struct error *error)
     ok = false;
     for (int i = 0; i < STATEMENT_COUNT; i++)
         if (!store_sql_prepare(store->db, statement_texts[i], &store->statements[i], error)) goto out;
+    store->notices = store_notices_create(store->db, error);
+    if (!store->notices) goto out;
     store_place_note(&store->place, folder);
     store->has_reserve = store_reserve_make(folder, NULL);
     ok = true;
@@ -206,6 +210,7 @@ void store_close(struct store *store)
     if (!store) return;
     for (int i = 0; i < STATEMENT_COUNT; i++)
         sqlite3_finalize(store->statements[i]);
+    store_notices_destroy(store->notices);
     sqlite3_close(store->db);
     if (store->lock_fd >= 0) close(store->lock_fd);
     free(store->folder);
@@ -376,7 +381,7 @@ static bool delete_job(struct store *store, int64_t job, struct error *error)
         sqlite3_bind_int64(store->statements[i], 1, job);
         if (!store_sql_run(store->statements[i], "delete a job", error)) return false;
     }
-    return true;
+    return store_notices_forget_job(store->notices, job, error);
 }
 
 static bool apply(struct store *store, const struct store_op *op, struct error *error)
@@ -406,6 +411,10 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
     case STORE_SET_MARKS:
         return store_marks_set(store->statements[SET_MARKS], store->statements[DROP_MARKS], op, error);
+    case STORE_ADD_NOTICE:
+    case STORE_DROP_NOTICE:
+    case STORE_SET_TOLD:
+        return store_notices_apply(store->notices, op, error);
     }
     return false;
 }

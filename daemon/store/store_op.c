@@ -52,7 +52,14 @@ void store_op_finish(struct store_op *op)
         free(op->root.path);
         free(op->root.id);
         break;
+    case STORE_ADD_NOTICE:
+    case STORE_DROP_NOTICE:
+        free(op->notice.event);
+        free(op->notice.target);
+        free(op->notice.body);
+        break;
     case STORE_SET_USAGE:
+    case STORE_SET_TOLD:
         break;
     case STORE_SET_TOKEN:
     case STORE_DELETE_TOKEN:

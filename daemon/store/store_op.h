@@ -26,7 +26,10 @@ enum store_op_kind {
     STORE_SET_ROOT,     // writes the row of an output root, new or in place of the old one
     STORE_SET_USAGE,    // writes what an owner used of the farm, likewise
     STORE_SET_TOKEN,    // writes the row of a token, likewise
-    STORE_DELETE_TOKEN  // deletes the row of the token `token.id`, whose id is not used again
+    STORE_DELETE_TOKEN, // deletes the row of the token `token.id`, whose id is not used again
+    STORE_ADD_NOTICE,
+    STORE_DROP_NOTICE, // deletes the notice `notice.id`, if it is there
+    STORE_SET_TOLD     // writes that a job told of a cause, or that the cause is over
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
@@ -100,6 +103,26 @@ struct store_token {
     bool is_once;
 };
 
+// What a target is to be told.
+struct store_notice {
+    int64_t id; // greater than any before
+    int64_t job;
+    int64_t owner_uid; // of the job
+    int64_t made_ms;   // unix time
+    char *event;       // owned; a name of job_notify_event_names
+    char *target;      // owned; a name, or the address of a webhook
+    bool is_webhook;
+    char *body; // owned; JSON
+};
+
+// What a job has told of a cause (daemon/schedule/notice_causes.h).
+struct store_told {
+    int64_t job;
+    int cause;
+    int64_t told_ms; // unix time
+    bool is_on;      // it has not ended since
+};
+
 // An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
@@ -111,6 +134,8 @@ struct store_op {
         struct store_root root;
         struct store_usage usage;
         struct store_token token;
+        struct store_notice notice;
+        struct store_told told;
         struct {
             int64_t job;
             int32_t *indices; // owned; fastest when ascending

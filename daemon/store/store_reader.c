@@ -241,3 +241,19 @@ bool store_read_tokens(struct store_reader *reader, store_on_token *on_token, vo
 {
     return store_tokens_read(reader->db, on_token, user, last_id, error);
 }
+
+bool store_read_notices(struct store_reader *reader, int64_t after, int limit, store_on_notice *on_notice, void *user,
+                        struct error *error)
+{
+    return store_notices_read(reader->db, after, limit, on_notice, user, error);
+}
+
+bool store_list_notices(struct store_reader *reader, store_on_notice *on_notice, void *user, struct error *error)
+{
+    return store_notices_list(reader->db, on_notice, user, error);
+}
+
+bool store_read_told(struct store_reader *reader, store_on_told *on_told, void *user, struct error *error)
+{
+    return store_notices_read_told(reader->db, on_told, user, error);
+}

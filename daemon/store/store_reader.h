@@ -4,6 +4,7 @@
 
 #include "core/job/root_marker.h"
 #include "daemon/store/store.h"
+#include "daemon/store/store_notices.h"
 #include "daemon/store/store_tokens.h"
 
 struct store_reader;
@@ -35,3 +36,8 @@ bool store_read_tokens(struct store_reader *reader, store_on_token *on_token, vo
 // The newest plan of the key; its text is owned by the caller. `*number` is 0 and `*text` NULL where there is none.
 bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
                      struct error *error);
+// As store_notices_read, store_notices_list and store_notices_read_told.
+bool store_read_notices(struct store_reader *reader, int64_t after, int limit, store_on_notice *on_notice, void *user,
+                        struct error *error);
+bool store_list_notices(struct store_reader *reader, store_on_notice *on_notice, void *user, struct error *error);
+bool store_read_told(struct store_reader *reader, store_on_told *on_told, void *user, struct error *error);

@@ -75,6 +75,11 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
            "    id INTEGER PRIMARY KEY AUTOINCREMENT, hash TEXT NOT NULL, name TEXT NOT NULL, owner TEXT NOT NULL,"
            "    owner_uid INTEGER NOT NULL, scope TEXT NOT NULL, created_ms INTEGER NOT NULL,"
            "    expires_ms INTEGER NOT NULL, used_ms INTEGER NOT NULL, is_once INTEGER NOT NULL, sum INTEGER);",
+    [11] = "CREATE TABLE notice (id INTEGER PRIMARY KEY, job INTEGER NOT NULL, owner_uid INTEGER NOT NULL,"
+           " made_ms INTEGER NOT NULL, event TEXT NOT NULL, target TEXT NOT NULL, is_webhook INTEGER NOT NULL,"
+           " body TEXT NOT NULL, sum INTEGER);"
+           "CREATE TABLE told (job INTEGER NOT NULL, cause INTEGER NOT NULL, told_ms INTEGER NOT NULL,"
+           " is_on INTEGER NOT NULL, sum INTEGER, PRIMARY KEY (job, cause)) WITHOUT ROWID;",
 };
 
 #define FILL(table, columns) "UPDATE " table " SET sum = row_sum(" columns ");"

@@ -10,8 +10,8 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 11 // a macro because SQL text holds it
-enum { STORE_SCHEMA_FIRST_WITH_SUMS = 9, STORE_SCHEMA_FIRST_WITH_TOKENS = 11 };
+#define STORE_SCHEMA_VERSION 12 // a macro because SQL text holds it
+enum { STORE_SCHEMA_FIRST_WITH_SUMS = 9, STORE_SCHEMA_FIRST_WITH_TOKENS = 11, STORE_SCHEMA_FIRST_WITH_NOTICES = 12 };
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
@@ -36,6 +36,8 @@ bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 #define STORE_SCHEMA_MARK_COLUMNS "job, block, marks"
 #define STORE_SCHEMA_USAGE_COLUMNS "owner_uid, used_s, at_ms"
 #define STORE_SCHEMA_TOKEN_COLUMNS "id, hash, name, owner, owner_uid, scope, created_ms, expires_ms, used_ms, is_once"
+#define STORE_SCHEMA_NOTICE_COLUMNS "id, job, owner_uid, made_ms, event, target, is_webhook, body"
+#define STORE_SCHEMA_TOLD_COLUMNS "job, cause, told_ms, is_on"
 
 // Reads a row that starts with the first four of those columns. False for an invalid row.
 bool store_schema_read_state(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);

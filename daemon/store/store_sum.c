@@ -20,6 +20,9 @@ const struct store_table store_tables[] = {
     {"root", STORE_SCHEMA_ROOT_COLUMNS, "path", true, 9, "the root is known by its marker"},
     {"usage", STORE_SCHEMA_USAGE_COLUMNS, "owner_uid", true, 9, "the owner's use of the farm begins anew"},
     {"token", STORE_SCHEMA_TOKEN_COLUMNS, "id", true, STORE_SCHEMA_FIRST_WITH_TOKENS, "the token is no longer one"},
+    {"notice", STORE_SCHEMA_NOTICE_COLUMNS, "id", true, STORE_SCHEMA_FIRST_WITH_NOTICES, "its target is not told"},
+    {"told", STORE_SCHEMA_TOLD_COLUMNS, "job, cause", true, STORE_SCHEMA_FIRST_WITH_NOTICES,
+     "the job may tell it again"},
     {0}};
 
 static const char lost_sql[] = "SELECT (SELECT count(*) FROM document WHERE job NOT IN (SELECT id FROM job))"

@@ -73,6 +73,11 @@ look "$id"
 ask job.retry "{\"id\":$id,\"state\":[\"succeeded\"],\"range\":\"2\",\"force\":true}" >/dev/null
 wait_state "$id" succeeded
 ask daemon.reload >/dev/null
+noted=$(ask job.submit "{\"document\":$(job 1 '.notify = [{"on":["done"],"to":"chat"},{"on":["done"],"webhook":"http://a/"}] | .output.path = "noted/n.####.exr"')}" |
+    jq .result.id)
+wait_until "its end is noted" eval '[ "$(ask notify.pending | jq ".result.notices | length")" = 2 ]'
+ask notify.done "{\"id\":$(ask notify.pending '{"targets":["chat"],"webhooks":true}' | jq '.result.notices[0].id')}" >/dev/null
+wait_state "$noted" succeeded
 ask job.delete "{\"id\":$id,\"files\":true}" >/dev/null
 wait_until "its end is told" grep -q '"type":"deleted"' "$scratch/quick"
 stop_daemon

@@ -50,7 +50,9 @@ const char job_text_full[] =
     "\"quality\":{\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.1,\"min_transmittance\":0.001,\"samples\":1},"
     "\"output\":{\"path\":\"full/full.%04d.exr\",\"pixel\":\"float\",\"compression\":\"piz\",\"aovs\":[\"Z\"],"
     "\"existing\":\"fail\"},\"priority\":7,\"order\":[\"first\",\"last\",\"middle\",10,2],\"frame_limit\":90,"
-    "\"pool\":\"gpu\",\"comment\":\"for the trailer\",\"tags\":[\"night\",\"shot 12\"]}";
+    "\"pool\":\"gpu\",\"comment\":\"for the trailer\",\"tags\":[\"night\",\"shot 12\"],"
+    "\"notify\":[{\"on\":[\"done\",\"missed\"],\"to\":\"chat\"},"
+    "{\"on\":[\"failed\",\"waiting\"],\"webhook\":\"https://example.org/farm\"}]}";
 
 #define OPENING                                                                                                        \
     "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9x2\",\"fps\":25,\"resolution\":[64,48],\"camera\":{\"position\":["  \

@@ -273,7 +273,7 @@ static size_t uncomment(char *text)
         line += *line == '\n';
         if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0 ||
             strncmp(line, "#user-weight", 12) == 0 || strncmp(line, "#pool", 5) == 0 ||
-            strncmp(line, "#launch-socket", 14) == 0)
+            strncmp(line, "#notify", 7) == 0 || strncmp(line, "#launch-socket", 14) == 0)
             continue;
         line[0] = ' ';
         count++;
@@ -393,6 +393,22 @@ static void weights_add_up_within_one_source(void **state)
     REFUSE("--user-weight: expected", (char[]){"--user-weight==2"});
 }
 
+static void rules_of_notices_add_up_within_one_source(void **state)
+{
+    char *path = write_config(state, "notify = chat:done\nnotify = mail:failed,waiting\n");
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--config"}, path));
+    assert_int_equal(options.notify.count, 2);
+    assert_string_equal(options.notify.rules[1].to, "mail");
+    options_finish(&options);
+    assert_true(PARSE(&options, &user, (char[]){"--config"}, path, (char[]){"--notify=chat:missed"}));
+    assert_int_equal(options.notify.count, 1);
+    assert_int_equal(options.notify.rules[0].on, 1U << JOB_NOTIFY_MISSED);
+    options_finish(&options);
+    REFUSE("--notify: expected NAME:EVENT,EVENT", (char[]){"--notify=chat"});
+}
+
 static void roots_add_up_within_one_source(void **state)
 {
     char *path = write_config(state, "output-root = /file/a\noutput-root = /file/b\ninput-root = /file/in\n");
@@ -461,6 +477,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_shipped_file_has_the_defaults, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(amounts_have_suffixes),
         cmocka_unit_test_setup_teardown(weights_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(rules_of_notices_add_up_within_one_source, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test_setup_teardown(roots_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_system_daemon_need_not_be_root, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),

@@ -38,7 +38,7 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     struct options held = OPTIONS("--log-level=info"),
                    fresh = OPTIONS("--log-level=debug", "--progress-limit=9", "--frame-limit=8", "--stop-timeout=4",
                                    "--max-attempts=7", "--admin-group=wheel", "--worker-memory=none", "--half-life=5",
-                                   "--user-weight=ann=2"),
+                                   "--user-weight=ann=2", "--notify=chat:done"),
                    limits = OPTIONS("--user-jobs=1", "--user-frames=2", "--user-pixels=3", "--user-disk=4",
                                     "--keep-jobs=5", "--keep-days=6", "--keep-bytes=7", "--output-root=/a",
                                     "--output-root=/b", "--input-root=/c");
@@ -47,8 +47,8 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.waiting, "");
     assert_string_equal(changes.applied,
-                        "admin-group, max-attempts, stop-timeout, progress-limit, frame-limit, user-weight, half-life, "
-                        "worker-memory, log-level");
+                        "admin-group, max-attempts, stop-timeout, progress-limit, frame-limit, user-weight, notify, "
+                        "half-life, worker-memory, log-level");
     assert_int_equal(held.log_level, LOG_DEBUG);
     assert_int_equal(held.progress_limit_ms, 9000);
     assert_int_equal(held.frame_limit_ms, 8000);

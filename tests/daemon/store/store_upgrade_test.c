@@ -142,7 +142,8 @@ static void marks_of_version_9_are_kept(void **state)
     store_close(store);
     change_rows(
         folder,
-        "DROP TABLE mark; DROP TABLE token; PRAGMA user_version = 9; INSERT INTO frame (job, frame_index, state, sum)"
+        "DROP TABLE mark; DROP TABLE token; DROP TABLE notice; DROP TABLE told; PRAGMA user_version = 9; INSERT INTO "
+        "frame (job, frame_index, state, sum)"
         " VALUES (1, 2, 4, row_sum(1, 2, 4, 0, 0, 0, 0, NULL, 0.0, 0.0))");
     store = open_store(folder);
     loaded = load(store);
