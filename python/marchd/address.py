@@ -1,0 +1,106 @@
+"""Where a farm is: a unix socket, or march-web's address; and how messages become bytes there."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Protocol
+from urllib.parse import urlsplit
+
+from .errors import ConnectionLost, FarmError
+from .websocket import WebSocket
+
+LINE_LIMIT = 256 * 1024 * 1024
+
+
+class Framing(Protocol):
+    """Messages as bytes. `opening` is sent first; nothing else is before `is_open`."""
+
+    opening: bytes
+    is_open: bool
+
+    def encode(self, text: str) -> bytes: ...
+
+    def feed(self, received: bytes) -> list[str]: ...
+
+    def take_replies(self) -> bytes: ...
+
+
+class Lines:
+    """A message is a line: the daemon's own socket."""
+
+    opening = b""
+    is_open = True
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+
+    def encode(self, text: str) -> bytes:
+        return text.encode() + b"\n"
+
+    def feed(self, received: bytes) -> list[str]:
+        head, newline, rest = received.rpartition(b"\n")
+        if not newline:
+            self._parts.append(rest)
+            return []
+        whole = b"".join([*self._parts, head])
+        self._parts = [rest]
+        return [line.decode() for line in whole.split(b"\n")]
+
+    def take_replies(self) -> bytes:
+        return b""
+
+
+@dataclass(frozen=True)
+class Address:
+    """A farm's address, read from text: unix:PATH, a path, http://HOST:PORT or https://HOST."""
+
+    text: str
+    paths: tuple[str, ...]  # of sockets, which are tried in order; empty: march-web
+    host: str = ""
+    port: int = 0
+    is_secure: bool = False
+    base: str = ""  # of paths of the URL, without / at its end
+
+    def framing(self, token: str | None) -> Framing:
+        if self.paths:
+            return Lines()
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        return WebSocket(self.authority, f"{self.base}/ws", headers)
+
+    @property
+    def authority(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return host if self.port == (443 if self.is_secure else 80) else f"{host}:{self.port}"
+
+
+def parse(text: str) -> Address:
+    if text.startswith("unix:"):
+        return Address(text, (text.removeprefix("unix:"),))
+    if "://" not in text:
+        return Address(text, (text,))
+    parts = urlsplit(text)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment or parts.username:
+        raise FarmError(f'expected unix:PATH, http://HOST:PORT or https://HOST, got "{text}"')
+    is_secure = parts.scheme == "https"
+    port = parts.port or (443 if is_secure else 80)
+    return Address(text, (), parts.hostname, port, is_secure, parts.path.rstrip("/"))
+
+
+def usual() -> Address:
+    """Where march looks: $MARCHD_SOCKET, else the system's farm, else the user's own."""
+    named = os.environ.get("MARCHD_SOCKET")
+    if named:
+        return Address(named, (named,))
+    paths = ["/run/marchd/marchd.sock"]
+    if runtime := os.environ.get("XDG_RUNTIME_DIR"):
+        paths.append(f"{runtime}/marchd.sock")
+    elif state := os.environ.get("XDG_STATE_HOME"):
+        paths.append(f"{state}/marchd/marchd.sock")
+    elif home := os.environ.get("HOME"):
+        paths.append(f"{home}/.local/state/marchd/marchd.sock")
+    return Address(" or ".join(paths), tuple(paths))
+
+
+def no_farm(address: Address, reason: OSError) -> ConnectionLost:
+    return ConnectionLost(f"no farm answers at {address.text}: {reason.strerror or reason}")
