@@ -65,6 +65,13 @@ static const struct command commands[] = {
     {"reload", "", 0, 0, DAEMON,
      "Has the daemon read its settings again; exit code 1, and nothing changes, if one is wrong; for administrators.",
      "march reload", command_reload},
+    {"token", "create|list|revoke [NAME|TOKEN...]", 1, ANY, DAEMON | BIT(SCOPE) | BIT(EXPIRES),
+     "Makes, lists or revokes tokens, with which programs act as you; `create` prints the token (--scope is read "
+     "unless given).",
+     "march token create dashboard --scope read --expires 30d", command_token},
+    {"web", "", 0, 0, DAEMON | BIT(SCOPE) | BIT(URL) | BIT(PRINT),
+     "Opens the farm's page in your browser, signed in by a token for one use (--scope is submit unless given).",
+     "march web", command_web},
     {"backup", "FILE [STATE-FOLDER]", 1, 2, DAEMON,
      "Copies the daemon's queue to a file of mode 0600, while the daemon runs or not; for its user and root.",
      "march backup /var/backups/marchd-queue.db", command_backup},

@@ -36,6 +36,7 @@ void command_write_overview(struct json_writer *writer); // {"verbs":[{"name","o
 command_run command_submit, command_list, command_show, command_frames, command_log, command_watch, command_wait;
 command_run command_pause, command_resume, command_cancel, command_delete, command_retry, command_prio;
 command_run command_workers, command_status, command_metrics, command_drain, command_undrain, command_reload;
+command_run command_token, command_web;
 command_run command_backup, command_restore;
 command_run command_validate, command_render, command_explain, command_chart, command_preview, command_verify;
 command_run command_completion, command_version, command_help;

@@ -13,6 +13,8 @@
 static const char *const job_states[] = {"queued", "running", "paused", "succeeded", "failed", "canceled", NULL};
 static const char *const frame_states[] = {"queued", "running", "succeeded", "failed", "canceled", "skipped", NULL};
 static const char *const backends[] = {"auto", "egl", "osmesa", "software", NULL};
+static const char *const scopes[] = {"read", "submit", "admin", NULL};
+static const char *const token_words[] = {"create", "list", "revoke", NULL};
 static const char *const shells[] = {"bash", "zsh", "fish", NULL};
 
 struct typing {
@@ -79,6 +81,9 @@ static void offer_value(const struct typing *typing, const struct command *comma
     case OPTION_STATE:
         offer_names(typing, strcmp(command->name, "list") == 0 ? job_states : frame_states, "state");
         return;
+    case OPTION_SCOPE:
+        offer_names(typing, scopes, "scope");
+        return;
     case OPTION_BACKEND:
         offer_names(typing, backends, "backend");
         return;
@@ -106,7 +111,9 @@ static void offer_operand(const struct typing *typing, const struct command *com
     const char *operands = command->operands;
 
     if (at >= command->operand_max) return;
-    if (strstr(operands, "ID") && (at == 0 || strstr(operands, "ID..."))) {
+    if (strcmp(command->name, "token") == 0) {
+        if (at == 0) offer_names(typing, token_words, "tokens");
+    } else if (strstr(operands, "ID") && (at == 0 || strstr(operands, "ID..."))) {
         fflush(typing->out);
         write_ids(typing->out, command->name);
     } else if (strcmp(operands, "[VERB]") == 0) {

@@ -27,6 +27,13 @@ static bool parse_age(const char *text, int64_t *seconds)
     return false;
 }
 
+bool moment_parse_span(const char *text, int64_t *seconds, struct error *error)
+{
+    if (parse_age(text, seconds) && *seconds > 0) return true;
+    error_set(error, "expected a time such as 12h or 30d, got \"%s\"", text);
+    return false;
+}
+
 static bool parse_date(const char *text, int64_t *unix_s)
 {
     static const char *const formats[] = {"%Y-%m-%d", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M"};

@@ -49,7 +49,7 @@ struct quota_user *limits_find_user(struct farm *farm, const struct rights_peer 
 {
     struct quota_user *user = quota_find_user(&farm->quota, peer->uid, name);
 
-    user->is_unlimited = rights_is_admin(&farm->rights, peer);
+    if (!peer->is_ordinary) user->is_unlimited = rights_is_admin(&farm->rights, peer);
     return user;
 }
 

@@ -18,7 +18,8 @@ void limits_refresh(struct farm *farm);
 void limits_count_job(struct farm *farm, struct job_record *record);
 void limits_forget_job(struct job_record *record); // the job is removed
 
-// The owner of a job that is being submitted, with the rights of this connection.
+// The owner of a job that is being submitted. What is known of their rights is as this connection has them, unless it
+// is one of a token that gives less.
 struct quota_user *limits_find_user(struct farm *farm, const struct rights_peer *peer, const char *name);
 bool limits_check_submit(const struct farm *farm, const struct quota_user *user, const struct quota_amounts *job,
                          struct error *error);

@@ -188,16 +188,21 @@ static struct quota_amounts job_amounts(const struct job *job)
 static bool check_limits(struct request *request, const struct job *job)
 {
     struct farm *farm = request->farm;
-    struct quota_user *user = limits_find_user(farm, &request->client->peer, request->client->user);
+    const struct rights_peer *peer = &request->client->peer;
+    struct quota_user *user = limits_find_user(farm, peer, request->client->user);
+    struct quota_user asking = *user;
     const struct quota_amounts amounts = job_amounts(job);
 
+    // A token may give less than its user has: that holds for what is asked with it alone.
+    asking.is_unlimited = rights_is_admin(&farm->rights, peer);
+    pool_access_note_user(farm, &asking, peer);
+    user->pools = peer->is_ordinary ? user->pools | asking.pools : asking.pools;
     request->code = MESSAGE_CODE_NOT_ALLOWED;
-    pool_access_note_user(farm, user, &request->client->peer);
-    if (!pool_access_check(farm, user, job->pool, &request->error)) {
+    if (!pool_access_check(farm, &asking, job->pool, &request->error)) {
         error_prefix(&request->error, "pool");
         return false;
     }
-    return limits_check_submit(farm, user, &amounts, &request->error);
+    return limits_check_submit(farm, &asking, &amounts, &request->error);
 }
 
 // Moves the parts that it needs out of the reading.

@@ -66,7 +66,10 @@ bool store_tokens_read(sqlite3 *db, store_on_token *on_token, void *user, int64_
     sqlite3_stmt *rows = NULL;
     bool ok = store_sql_read_integer(db, "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'token'), 0)",
                                      last_id, error) &&
-              store_sql_prepare(db, "SELECT " STORE_SCHEMA_TOKEN_COLUMNS " FROM token ORDER BY id", &rows, error);
+              store_sql_prepare(db,
+                                "SELECT " STORE_SCHEMA_TOKEN_COLUMNS
+                                " FROM token WHERE sum IS row_sum(" STORE_SCHEMA_TOKEN_COLUMNS ") ORDER BY id",
+                                &rows, error);
     int result = SQLITE_DONE;
 
     while (ok && (result = sqlite3_step(rows)) == SQLITE_ROW) {

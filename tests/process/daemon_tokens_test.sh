@@ -16,7 +16,7 @@ socket=$scratch/run/sock
 as_daemon=(setpriv --reuid=8 --regid=8 --clear-groups)
 start_farm()
 {
-    start_daemon --worker-program "$(stub write:20)" --admin-group operator --web-user news "$@"
+    start_daemon --worker-program "$(stub write:20)" --admin-group operator --web-user news --user-frames 30 "$@"
     chmod 666 "$socket"
 }
 start_farm
@@ -54,6 +54,14 @@ done
 # The web user's begins so.
 expect_error "$(ask_as "${web[@]}" daemon.status)" 2 "daemon.status: the connection is nobody's"
 expect_error "$(ask_as "${web[@]}" token.create '{"scope":"read"}')" 2 "nobody's"
+
+# It may ask for notices, until it drops that, too; so may root and the daemon's user, and nobody else.
+for who in "${web[*]}" "0 0" "8 8"; do
+    # shellcheck disable=SC2086 # two words
+    said=$({ message notify.pending; message auth.drop; message notify.pending; } | talk $who)
+    expect "codes of notices to $who" "$(jq -sc 'map(.error.code)' <<<"$said")" '[null,null,2]'
+done
+expect_error "$(ask_as "${ann[@]}" notify.pending)" 2 "notify.pending: "
 
 # Once a connection.
 said=$({ message auth.token "{\"token\":\"$read_token\"}"; message auth.token "{\"token\":\"$submit_token\"}"; message auth.drop; } | talk "${bob[@]}")
@@ -111,6 +119,8 @@ R events.unsubscribe
 P token.create {"scope":"read"}
 P token.list
 P token.revoke {"id":1}
+P notify.pending
+P notify.done {"id":1}
 END
 diff <(sort "$scratch/tried") "$scratch/methods" >&2 || fail "methods that no scope was tried with (>), or that are gone (<)"
 expect "the priority that a token set" "$(field "$job" .priority)" 40
@@ -132,6 +142,12 @@ expect_error "$(with "$root_submit" job.submit "{\"document\":$(job 1 '.priority
 expect "an administrator's by scope admin" "$(with "$root_admin" job.priority "{\"id\":$his,\"priority\":150}" | jq .result.priority)" 150
 expect "a drain by scope admin" "$(with "$root_admin" daemon.drain | jq -c .result)" '{"running":0}'
 expect "its end" "$(with "$root_admin" daemon.undrain | jq -c .result)" '{"running":0}'
+
+# Nor are their limits lifted, and what is lifted for the administrator stays so.
+expect_error "$(with "$root_submit" job.submit "{\"paused\":true,\"document\":$(job 1-31 '.output.path = "root/s.####.exr"')}")" 2 "frames: root may have 30 unfinished frames"
+[[ $(with "$root_submit" job.submit "{\"paused\":true,\"document\":$(job 1-5 '.output.path = "root/s.####.exr"')}") == *'"id":'* ]] || fail "a few frames by scope submit"
+[[ $(with "$root_admin" job.submit "{\"paused\":true,\"document\":$(job 1-99 '.output.path = "root/a.####.exr"')}") == *'"id":'* ]] || fail "many frames by scope admin"
+[[ $(ask job.submit "{\"paused\":true,\"document\":$(job 1-99 '.output.path = "root/b.####.exr"')}") == *'"id":'* ]] || fail "many frames by the administrator"
 
 # For one use: it gives a session, and never again.
 once=$(create "${ann[@]}" '{"scope":"submit","name":"march web","once":true}')

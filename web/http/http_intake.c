@@ -139,11 +139,12 @@ struct http_refusal http_intake_read(struct http_request *request, struct lws *w
 {
     struct http_refusal refusal = read_head(request, wsi, origins);
     bool is_front = strcmp(request->path, "/") == 0 && strcmp(request->method, "POST") != 0;
+    bool is_sign_in = is_front && http_request_query(request, "token");
 
     if (!refusal.status) refusal = read_length(request, wsi);
     if (refusal.status) return refusal;
-    // A link on another site may lead to the page, which holds nothing; a sign-in by a link of another site may not.
-    if (!http_fetch_is_ours(request->fetch_site) && (!is_front || request->query_count > 0))
+    // A link on another site may lead to the page, which holds nothing, and to a sign-in, which then asks first.
+    if (!http_fetch_is_ours(request->fetch_site) && (!is_front || (request->query_count > 0 && !is_sign_in)))
         return (struct http_refusal){403, "Sec-Fetch-Site: another site's pages may not ask here"};
     if (!is_front && http_request_query(request, "token"))
         return (struct http_refusal){400, "a token is taken from the header Authorization, never from an address"};

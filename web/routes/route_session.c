@@ -9,6 +9,7 @@
 #include "web/routes/web_calls.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { SESSION_S = 12 * 3600 };
 
@@ -35,6 +36,23 @@ static void on_signed_in(struct http_request *request, const struct farm_answer 
     http_credentials_free(cookie);
 }
 
+// Whoever leads a browser here by a link may want its user to work under another name: the user decides. `march web`
+// leads here by a file.
+static void ask_first(struct http_request *request, const char *token)
+{
+    char *page =
+        xasprintf("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+                  "<meta name=\"viewport\" content=\"width=device-width\"><title>marchd</title>"
+                  "<link rel=\"stylesheet\" href=\"/page/page.css\"></head>"
+                  "<body><main><h1>marchd</h1><p>Did you ask for this by <code>march web</code>?</p>"
+                  "<p><a id=\"sign-in\" href=\"/?token=%s\">Sign in to the farm</a></p></main></body></html>\n",
+                  token);
+
+    http_request_answer(
+        request, &(struct http_answer){.type = "text/html; charset=utf-8", .bytes = page, .size_bytes = strlen(page)});
+    http_credentials_free(page);
+}
+
 void route_session_front(struct http_request *request, void *user)
 {
     const struct route_session *session = user;
@@ -46,6 +64,8 @@ void route_session_front(struct http_request *request, void *user)
         http_request_fail(request, 405, "a token is used by GET");
     else if (!http_token_is_well_formed(token))
         http_request_fail(request, 401, "this is no token");
+    else if (http_request_is_from_elsewhere(request))
+        ask_first(request, token);
     else
         web_calls_begin_as(session->calls, request, token, on_signed_in, NULL);
 }

@@ -37,7 +37,7 @@ static void assert_offered(const char *expected, const char *const words[], size
 
 static void verbs_come_first(void **state)
 {
-    assert_offered("watch wait workers ", WORDS("w"));
+    assert_offered("watch wait workers web ", WORDS("w"));
     assert_offered("", WORDS("nonsense", ""));
 }
 
@@ -56,6 +56,7 @@ static void values_are_those_of_the_option(void **state)
     assert_offered("failed,skipped ", WORDS("frames", "7", "--state", "failed,sk"));
     assert_offered("--state=failed,skipped ", WORDS("frames", "--state=failed,sk"));
     assert_offered("auto egl osmesa software ", WORDS("render", "--backend", "="));
+    assert_offered("admin ", WORDS("token", "create", "--scope", "ad"));
     assert_offered("egl ", WORDS("render", "--backend", "=", "e"));
     assert_offered("gauss ", WORDS("chart", "--methods", "g"));
     assert_offered(":files ", WORDS("preview", "--out", "x"));
@@ -70,6 +71,8 @@ static void operands_are_what_the_verb_takes(void **state)
     assert_offered("", WORDS("prio", "7", ""));
     assert_offered("", WORDS("show", "7", ""));
     assert_offered("help ", WORDS("help", "he"));
+    assert_offered("create ", WORDS("token", "c"));
+    assert_offered("", WORDS("token", "revoke", ""));
     assert_offered("zsh ", WORDS("completion", "z"));
     assert_offered(":json ", WORDS("submit", "--wait", "jobs/"));
     assert_offered(":files ", WORDS("verify", ""));

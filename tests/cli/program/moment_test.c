@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include <cmocka.h>
@@ -62,6 +63,23 @@ static void anything_else_is_refused(void **state)
     }
 }
 
+static void a_span_is_more_than_nothing(void **state)
+{
+    static const char *const wrong[] = {"", "0d", "30", "never", "2026-03-01", "-1d"};
+    int64_t seconds;
+
+    assert_true(moment_parse_span("12h", &seconds, NULL));
+    assert_int_equal(seconds, 43200);
+    assert_true(moment_parse_span("1s", &seconds, NULL));
+    assert_int_equal(seconds, 1);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        struct error error = {0};
+
+        assert_false(moment_parse_span(wrong[i], &seconds, &error));
+        assert_non_null(strstr(error.message, "expected a time such as 12h or 30d"));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -69,6 +87,7 @@ int main(void)
         cmocka_unit_test(an_age_beyond_all_time_is_the_beginning),
         cmocka_unit_test(dates_are_local),
         cmocka_unit_test(anything_else_is_refused),
+        cmocka_unit_test(a_span_is_more_than_nothing),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

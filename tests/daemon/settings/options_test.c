@@ -314,6 +314,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     assert_same_paths(&told.output_roots, &held.output_roots);
     assert_same_paths(&told.input_roots, &held.input_roots);
     assert_string_equal(told.admin_group, held.admin_group);
+    assert_string_equal(told.web_user, held.web_user);
     assert_int_equal(told.user_jobs, held.user_jobs);
     assert_int_equal(told.user_frames, held.user_frames);
     assert_int_equal(told.user_pixels, held.user_pixels);
@@ -345,6 +346,13 @@ static void amounts_have_suffixes(void **state)
     assert_int_equal(options.worker_memory_bytes, INT64_C(4) << 30);
     assert_false(options.has_sandbox);
     assert_string_equal(options.admin_group, "wheel");
+    assert_string_equal(options.web_user, "marchd-web");
+    options_finish(&options);
+    assert_true(PARSE(&options, &user, (char[]){"--web-user=www"}));
+    assert_string_equal(options.web_user, "www");
+    options_finish(&options);
+    assert_true(PARSE(&options, &user, (char[]){"--web-user="}));
+    assert_string_equal(options.web_user, "");
     options_finish(&options);
     assert_true(PARSE(&options, &user, (char[]){"--user-jobs=none"}, (char[]){"--worker-memory=none"}));
     assert_int_equal(options.user_jobs, 0);

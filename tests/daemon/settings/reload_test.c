@@ -37,8 +37,8 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
 {
     struct options held = OPTIONS("--log-level=info"),
                    fresh = OPTIONS("--log-level=debug", "--progress-limit=9", "--frame-limit=8", "--stop-timeout=4",
-                                   "--max-attempts=7", "--admin-group=wheel", "--worker-memory=none", "--half-life=5",
-                                   "--user-weight=ann=2", "--notify=chat:done"),
+                                   "--max-attempts=7", "--admin-group=wheel", "--web-user=www", "--worker-memory=none",
+                                   "--half-life=5", "--user-weight=ann=2", "--notify=chat:done"),
                    limits = OPTIONS("--user-jobs=1", "--user-frames=2", "--user-pixels=3", "--user-disk=4",
                                     "--keep-jobs=5", "--keep-days=6", "--keep-bytes=7", "--output-root=/a",
                                     "--output-root=/b", "--input-root=/c");
@@ -46,9 +46,10 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
 
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.waiting, "");
-    assert_string_equal(changes.applied,
-                        "admin-group, max-attempts, stop-timeout, progress-limit, frame-limit, user-weight, notify, "
-                        "half-life, worker-memory, log-level");
+    assert_string_equal(
+        changes.applied,
+        "admin-group, web-user, max-attempts, stop-timeout, progress-limit, frame-limit, user-weight, notify, "
+        "half-life, worker-memory, log-level");
     assert_int_equal(held.log_level, LOG_DEBUG);
     assert_int_equal(held.progress_limit_ms, 9000);
     assert_int_equal(held.frame_limit_ms, 8000);
@@ -56,6 +57,7 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     assert_int_equal(held.max_attempts, 7);
     assert_int_equal(held.worker_memory_bytes, -1);
     assert_string_equal(held.admin_group, "wheel");
+    assert_string_equal(held.web_user, "www");
     assert_int_equal(held.half_life_ms, 5000);
     assert_true(user_weights_find(&held.user_weights, 1000, "ann") == 2);
     reload_take(&held, &limits, &changes);

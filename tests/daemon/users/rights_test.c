@@ -5,6 +5,7 @@
 #include <pwd.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -99,9 +100,60 @@ static void a_user_without_a_connection_is_looked_up(void **state)
     assert_false(rights_user_is_admin(&found, 54321, "nobody-of-that-name"));
 }
 
+// A token says so of its connection.
+static void an_ordinary_peer_is_no_administrator_whoever_it_is(void **state)
+{
+    static const int64_t uids[] = {0, DAEMON, BOB};
+
+    for (size_t i = 0; i < sizeof uids / sizeof *uids; i++) {
+        struct rights_peer peer = admin_peer(uids[i]);
+
+        assert_true(rights_is_admin(&rights, &peer));
+        assert_true(rights_may_change(&rights, &peer, ADA));
+        peer.is_ordinary = true;
+        assert_false(rights_is_admin(&rights, &peer));
+        assert_false(rights_may_change(&rights, &peer, ADA));
+        assert_true(rights_may_change(&rights, &peer, uids[i]));
+        assert_true(rights_is_known(&peer));
+    }
+}
+
+// A token names its user by both.
+static void groups_are_those_of_a_name_and_its_number(void **state)
+{
+    size_t count;
+    gid_t *groups = rights_find_groups(0, "root", &count);
+
+    assert_non_null(groups);
+    assert_true(count > 0);
+    free(groups);
+    assert_null(rights_find_groups(1, "root", &count));
+    assert_null(rights_find_groups(0, "there-is-no-such-user", &count));
+    assert_int_equal(count, 0);
+}
+
+static void the_web_user_is_looked_up_by_name(void **state)
+{
+    static const char *const none[] = {NULL, "", "there-is-no-such-user"};
+    struct rights_peer root = peer_of(0), ada = peer_of(ADA);
+    struct rights looked_up = {0};
+
+    assert_false(rights_is_web_user(&looked_up, &root));
+    rights_set_web_user(&looked_up, "root");
+    assert_true(rights_is_web_user(&looked_up, &root));
+    assert_false(rights_is_web_user(&looked_up, &ada));
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        rights_set_web_user(&looked_up, none[i]);
+        assert_false(rights_is_web_user(&looked_up, &root));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_ordinary_peer_is_no_administrator_whoever_it_is),
+        cmocka_unit_test(groups_are_those_of_a_name_and_its_number),
+        cmocka_unit_test(the_web_user_is_looked_up_by_name),
         cmocka_unit_test(an_owner_changes_only_their_own_jobs),
         cmocka_unit_test(root_and_the_daemons_user_change_any),
         cmocka_unit_test(members_of_the_admin_group_change_any),
