@@ -50,6 +50,7 @@ foreach(section 1 5 8)
 endforeach()
 install(FILES deploy/man/march-worker.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT worker)
 install(FILES README.md STYLE.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
+install(DIRECTORY deploy/prometheus deploy/grafana DESTINATION ${CMAKE_INSTALL_DATADIR}/marchd)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
 # Without the programs that drew and simulated what is there.
 install(DIRECTORY jobs DESTINATION ${CMAKE_INSTALL_DATADIR}/marchd

@@ -445,14 +445,6 @@ struct worker_process *worker_pool_find_holder(const struct worker_pool *pool, i
     return NULL;
 }
 
-const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *pool, int64_t job, int32_t frame,
-                                                     int32_t attempt)
-{
-    const struct worker_process *worker = worker_pool_find_holder(pool, job, frame, attempt);
-
-    return worker ? in_flight_find(&worker->in_flight, job, frame, attempt) : NULL;
-}
-
 const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job)
 {
     const struct in_flight_frame *furthest = NULL;

@@ -61,10 +61,7 @@ enum worker_fit worker_pool_prepare(struct worker_pool *pool, int index, struct 
 // To be told of each job when it is queued: no worker of another owner stays idle where the job writes.
 void worker_pool_note_job(struct worker_pool *pool, const struct job_record *record);
 
-// The frame in flight of that attempt, and the job's frame whose phase is the furthest; NULL: none. Valid until a frame
-// is assigned or ends.
-const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *pool, int64_t job, int32_t frame,
-                                                     int32_t attempt);
+// The job's frame whose phase is the furthest; NULL: none. Valid until a frame is assigned or ends.
 const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job);
 
 // The worker that holds that attempt; NULL: none.

@@ -47,6 +47,8 @@ $2/marchd@.socket
 /etc/marchd/ssh/config
 END
         below docs "$1/share/doc/marchd/docs"
+        below deploy/grafana "$1/share/marchd/grafana"
+        below deploy/prometheus "$1/share/marchd/prometheus"
         below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/textures/draw_[a-z]*$'
         for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
             case "$page" in */march-worker.8) continue ;; esac

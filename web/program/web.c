@@ -9,6 +9,7 @@
 #include "web/http/http_walls.h"
 #include "web/program/web_check.h"
 #include "web/routes/route_files.h"
+#include "web/routes/route_metrics.h"
 #include "web/routes/route_rpc.h"
 #include "web/routes/route_session.h"
 #include "web/routes/route_socket.h"
@@ -51,6 +52,7 @@ static void lay_out(struct web *web, const struct web_options *options)
         {.method = "GET", .path = "/schema.json", .answer = route_files_document, .user = &web->files},
         {.method = "GET", .path = "/healthz", .answer = answer_health},
         {.method = "GET", .path = "/readyz", .answer = route_session_ready, .user = &web->session},
+        {.method = "GET", .path = "/metrics", .needs_token = true, .answer = route_metrics, .user = web->calls},
         {.method = "GET", .path = "/session", .needs_token = true, .answer = route_session_show, .user = &web->session},
         {.method = "POST", .path = "/logout", .answer = route_session_end, .user = &web->session},
         {.method = "POST",
