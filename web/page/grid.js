@@ -93,6 +93,7 @@ export class FrameGrid extends View {
     if (this.cell >= SIGN_PX && this.by === "state") this.drawSigns(context, px, gap);
     this.drawLegend();
     this.moveCursor();
+    if (this.told.textContent) this.tell();
     performance.measure("grid", "grid-begin");
   }
 
@@ -185,6 +186,7 @@ export class FrameGrid extends View {
   }
 
   move(index) {
+    if (!this.map.numbers.length) return;
     this.at = Math.min(this.map.numbers.length - 1, Math.max(0, index));
     FrameGrid.kept.set(this.map.id, this.at);
     this.moveCursor();
