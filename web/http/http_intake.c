@@ -49,6 +49,18 @@ static bool is_there_twice(struct lws *wsi)
     return false;
 }
 
+// libwebsockets takes a blank before the colon for a part of a name that it does not know (RFC 9112, section 5.1, wants
+// it refused); another server may read these two all the same.
+static bool has_odd_name(struct lws *wsi)
+{
+    static const char *const names[] = {
+        "transfer-encoding :", "transfer-encoding\t:", "content-length :", "content-length\t:"};
+
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (lws_hdr_custom_length(wsi, names[i], (int)strlen(names[i])) >= 0) return true;
+    return false;
+}
+
 static struct http_refusal read_length(struct http_request *request, struct lws *wsi)
 {
     char *text = copy_header(wsi, WSI_TOKEN_HTTP_CONTENT_LENGTH);
@@ -122,6 +134,7 @@ static struct http_refusal read_head(struct http_request *request, struct lws *w
     request->fetch_site = copy_custom_header(wsi, "sec-fetch-site:");
     request->known_etag = copy_header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH);
     if (!read_method(request, wsi)) return (struct http_refusal){405, "expected GET, HEAD or POST"};
+    if (has_odd_name(wsi)) return (struct http_refusal){400, "a header's name ends with a blank"};
     if (is_there_twice(wsi)) return (struct http_refusal){400, "a header is there twice"};
     if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0)
         return (struct http_refusal){501, "Transfer-Encoding: expected a Content-Length in place of it"};

@@ -208,7 +208,7 @@ static int on_writable(struct http_connection *connection)
         lws_callback_on_writable(connection->wsi);
         return 0;
     }
-    if (request->wants_close && !request->has_all) return linger(connection);
+    if (request->body_size < request->body_length) return linger(connection);
     wants_close = request->wants_close;
     http_request_destroy(request);
     connection->request = NULL;
