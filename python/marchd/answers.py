@@ -409,6 +409,28 @@ class Token(Answer):
 
 
 @dataclass(frozen=True)
+class Notice(Answer):
+    """What a target is to be told."""
+
+    # greater than that of each notice before
+    id: int
+    # whose notice it is
+    job: int
+    # of the job
+    owner_uid: int
+    # unix seconds
+    made: float
+    # what happened
+    event: Literal["done", "failed", "waiting", "missed"]
+    # the name of its target; null: it goes to an address
+    to: str | None
+    # the address
+    webhook: str | None
+    # what the target gets, as JSON
+    body: str
+
+
+@dataclass(frozen=True)
 class DaemonStatus(Answer):
     """The result of daemon.status."""
 
@@ -492,6 +514,8 @@ class JobSubmit(Answer):
 
     # the new job
     id: int
+    # what nobody could check now
+    warnings: list[str] | None = None
 
 
 @dataclass(frozen=True)
@@ -674,6 +698,16 @@ class TokenList(Answer):
     tokens: list[Token]
 
 
+@dataclass(frozen=True)
+class NotifyPending(Answer):
+    """The result of notify.pending."""
+
+    # by their ids; of many the first
+    notices: list[Notice]
+    # how many were dropped since the daemon's start, because too many waited
+    dropped: int
+
+
 # A sample or a histogram, by the family's type.
 AnySample: TypeAlias = Sample | Histogram
 
@@ -711,6 +745,8 @@ __all__ = [
     "JobSubmit",
     "Loop",
     "NodeCounts",
+    "Notice",
+    "NotifyPending",
     "PhaseEvent",
     "Root",
     "Sample",

@@ -97,14 +97,14 @@ class AsyncChannel:
             await self._send(replies)
 
 
-class _Link:
+class Link:
     """A connection on which many ask at once; a task hands each answer to whom it is for."""
 
     def __init__(self, channel: AsyncChannel) -> None:
         self._channel = channel
         self._number = 0
         self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
-        self.lost: ConnectionLost | None = None
+        self.lost: errors.FarmError | None = None
         self._task = asyncio.ensure_future(self._receive())
 
     async def _receive(self) -> None:
@@ -116,17 +116,21 @@ class _Link:
                 future = self._waiting.pop(answer["id"], None)
                 if future and not future.done():
                     future.set_result(answer)
-        except ConnectionLost as error:
+        except errors.FarmError as error:
             self.lost = error
         except Exception as error:
             self.lost = ConnectionLost(f"the farm does not keep the protocol: {error!r}")
         for future in self._waiting.values():
             if not future.done():
-                future.set_exception(ConnectionLost(self.lost.message))
+                future.set_exception(self._why())
+
+    def _why(self) -> errors.FarmError:
+        assert self.lost
+        return type(self.lost)(self.lost.message, self.lost.code)  # each who waits gets one of their own
 
     async def ask(self, call: Call[T]) -> T:
         if self.lost:
-            raise ConnectionLost(self.lost.message)
+            raise self._why()
         self._number += 1
         number = self._number
         future = self._waiting[number] = asyncio.get_running_loop().create_future()
@@ -151,7 +155,7 @@ class AsyncFarm:
         self.address = addresses.usual() if address is None else addresses.parse(address)
         self.patience_s = patience_s
         self._token = token
-        self._link: _Link | None = None
+        self._link: Link | None = None
         self.has_answered = False
         self._lock = asyncio.Lock()
 
@@ -298,13 +302,13 @@ class AsyncFarm:
         """What a connection to the daemon's own socket says who it is by."""
         return self._token if self.address.paths else None
 
-    async def _connected(self) -> _Link:
+    async def _connected(self) -> Link:
         async with self._lock:
             if self._link and self._link.lost:
                 link, self._link = self._link, None
                 await link.close()
             if not self._link:
-                link = _Link(await self.open_channel())
+                link = Link(await self.open_channel())
                 try:
                     if self.socket_token is not None:
                         await link.ask(calls.token(self.socket_token))

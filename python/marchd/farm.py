@@ -41,7 +41,11 @@ class Farm:
     def connect(cls, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> Farm:
         """A farm that answers now."""
         farm = cls(address, token, patience_s)
-        farm.status()
+        try:
+            farm.status()
+        except BaseException:
+            farm.close()
+            raise
         return farm
 
     def __enter__(self) -> Farm:

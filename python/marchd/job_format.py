@@ -45,6 +45,8 @@ class JobDocument(TypedDict):
     comment: NotRequired[str]
     # For people, likewise: words of 1 to 64 bytes without a comma, none twice.
     tags: NotRequired[Sequence[str]]
+    # Whom the farm tells what becomes of the job.
+    notify: NotRequired[Sequence[NotifyTo | NotifyWebhook]]
 
 
 class Camera(TypedDict):
@@ -681,6 +683,18 @@ class Output(TypedDict):
     existing: NotRequired[Literal["verify", "overwrite", "fail"]]
 
 
+class NotifyTo(TypedDict):
+    on: Sequence[Literal["done", "failed", "waiting", "missed"]]
+    # The name of a target in the settings of march-web.
+    to: str
+
+
+class NotifyWebhook(TypedDict):
+    on: Sequence[Literal["done", "failed", "waiting", "missed"]]
+    # An address that gets a POST, where the farm allows jobs to name some.
+    webhook: str
+
+
 MovingVector: TypeAlias = MovingVectorStart | MovingVectorLissajous | MovingVectorKeys
 # [x, y, z], m, or an object that moves it.
 Position: TypeAlias = Sequence[float] | MovingVector | Orbit
@@ -777,6 +791,8 @@ __all__ = [
     "MovingVectorStart",
     "Noise",
     "NoiseRotate",
+    "NotifyTo",
+    "NotifyWebhook",
     "Object",
     "Orbit",
     "OrbitNumbers",

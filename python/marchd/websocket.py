@@ -7,7 +7,7 @@ import hashlib
 import os
 import struct
 
-from .errors import ConnectionLost, NotAllowed
+from .errors import NOT_ALLOWED, ConnectionLost, NotAllowed
 
 _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _CONTINUATION, _TEXT, _BINARY, _CLOSE, _PING, _PONG = 0, 1, 2, 8, 9, 10
@@ -58,7 +58,7 @@ class WebSocket:
         headers = {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
         code = status.split(" ")[1] if status.count(" ") else "0"
         if code in ("401", "403"):
-            raise NotAllowed(f"the server refuses: {status}", 2)
+            raise NotAllowed(f"the server refuses: {status}", NOT_ALLOWED)
         accept = base64.b64encode(hashlib.sha1(self._key + _GUID).digest()).decode()
         if code != "101" or headers.get("sec-websocket-accept") != accept:
             raise ConnectionLost(f"the server opens no WebSocket: {status}")
@@ -112,6 +112,8 @@ class WebSocket:
         elif kind == _CLOSE:
             code = int.from_bytes(body[:2], "big")
             reason = body[2:].decode(errors="replace")
+            if code == 1008:
+                raise NotAllowed(reason or "the server refuses", NOT_ALLOWED)
             away = "the daemon is away" if code == 1013 else f"the server closes the WebSocket ({code})"
             raise ConnectionLost(f"{away}: {reason}" if reason else away)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import re
 import shutil
 import socket
 import subprocess
@@ -22,9 +23,13 @@ class PrivateFarm:
         self.folder = pathlib.Path(tempfile.mkdtemp())
         self.socket = self.folder / "sock"
         self._process: subprocess.Popen[bytes] | None = None
+        self._web: subprocess.Popen[bytes] | None = None
         self._starts = 0
 
     def close(self) -> None:
+        if self._web:
+            self._web.kill()
+            self._web.wait()
         if self._process:
             self.kill()
         shutil.rmtree(self.folder)
@@ -44,6 +49,19 @@ class PrivateFarm:
         while not self._answers():
             assert time.monotonic() < end and self._process.poll() is None, self.log()
             time.sleep(0.02)
+
+    def start_web(self) -> str:
+        """Begins a march-web before the daemon, and returns its address."""
+        command: list[str | pathlib.Path] = [BIN / "march-web", "--config", "/dev/null", "--socket", self.socket]
+        command += ["--listen", "127.0.0.1:0", "--page-dir", ROOT / "web/page", "--document-dir", ROOT / "jobs"]
+        log = self.folder / "web.log"
+        with open(log, "wb") as file:
+            self._web = subprocess.Popen(command, stderr=file, env={**os.environ, "XDG_CONFIG_HOME": str(self.folder)})
+        end = time.monotonic() + PATIENCE_S
+        while not (found := re.search(r"listens at .* \(port (\d+)\)", log.read_text())):
+            assert time.monotonic() < end and self._web.poll() is None, log.read_text()
+            time.sleep(0.02)
+        return f"http://127.0.0.1:{found.group(1)}"
 
     def _answers(self) -> bool:
         with socket.socket(socket.AF_UNIX) as connection:

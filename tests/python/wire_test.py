@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import unittest
 from typing import Any
 from unittest import mock
 
-from marchd import address, answers, errors, follow
+from marchd import address, answers, calls, errors, follow
 from marchd.answer import read
+from marchd.async_farm import AsyncChannel, Link
 from marchd.websocket import WebSocket
 
 
@@ -65,6 +67,8 @@ class WebSockets(unittest.TestCase):
                      b"\x89\x7e\x00\x80", b"\x81\x02\xc3\x28", b"\x81\x7f" + b"\xff" * 8, b"\x83\x00"):
             with self.assertRaises(errors.ConnectionLost, msg=data):
                 told(data + b"\0" * 128)
+        with self.assertRaisesRegex(errors.NotAllowed, "no such token"):
+            told(b"\x88\x0f" + (1008).to_bytes(2, "big") + b"no such token")
         with self.assertRaisesRegex(errors.ConnectionLost, "the daemon is away: no daemon"):
             told(b"\x88\x0b" + (1013).to_bytes(2, "big") + b"no daemon")
 
@@ -188,6 +192,26 @@ class Following(unittest.TestCase):
         self.assertEqual([done.state for done in waiting.jobs()], ["canceled", "succeeded"])
         with self.assertRaises(errors.NotFound):
             follow.Waiting([3]).note(answers.DeletedEvent("deleted", 3))
+
+
+class Links(unittest.IsolatedAsyncioTestCase):
+    async def test_all_who_wait_hear_why_a_connection_ends(self) -> None:
+        channel = mock.AsyncMock(spec=AsyncChannel)
+        ends = asyncio.Event()
+
+        async def receive() -> str:
+            await ends.wait()
+            raise errors.NotAllowed("the token is not valid", errors.NOT_ALLOWED)
+
+        channel.receive = receive
+        link = Link(channel)
+        waiting = [asyncio.ensure_future(link.ask(calls.status())) for _ in range(2)]
+        await asyncio.sleep(0)
+        ends.set()
+        failures = await asyncio.gather(*waiting, return_exceptions=True)
+        failures += await asyncio.gather(link.ask(calls.status()), return_exceptions=True)
+        self.assertEqual([type(failure) for failure in failures], [errors.NotAllowed] * 3)
+        await link.close()
 
 
 if __name__ == "__main__":
