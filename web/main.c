@@ -51,9 +51,23 @@ static int run(const struct web_options *options)
     return is_right ? EXIT_FAILURE : EXIT_USAGE;
 }
 
+// The folder of this program, without its end; "/usr/bin" where the kernel does not tell.
+static void find_program_folder(char folder[static PATH_MAX])
+{
+    ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+    char *slash;
+
+    folder[length > 0 ? length : 0] = '\0';
+    slash = strrchr(folder, '/');
+    if (slash)
+        *slash = '\0';
+    else
+        snprintf(folder, PATH_MAX, "/usr/bin");
+}
+
 int main(int argc, char **argv)
 {
-    char folder[PATH_MAX];
+    char folder[PATH_MAX], program_folder[PATH_MAX];
     struct web_surroundings surroundings = {.home = getenv("HOME"),
                                             .xdg_config_home = getenv("XDG_CONFIG_HOME"),
                                             .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
@@ -62,10 +76,14 @@ int main(int argc, char **argv)
                                             .config_path = "/etc/marchd/march-web.conf",
                                             .current_folder = getcwd(folder, sizeof folder) ? folder : "/",
                                             .data_folder = MARCHD_DATA_DIR,
+                                            .program_folder = program_folder,
+                                            .xdg_cache_home = getenv("XDG_CACHE_HOME"),
+                                            .cache_directory = getenv("CACHE_DIRECTORY"),
                                             .is_root = geteuid() == 0};
     struct web_options options;
     int status = EXIT_SUCCESS;
 
+    find_program_folder(program_folder);
     if (!web_options_read(&options, argc, argv, &surroundings, print_mistake, NULL)) return EXIT_USAGE;
     if (options.wants_help)
         fputs(web_help, stdout);

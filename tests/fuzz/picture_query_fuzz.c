@@ -11,6 +11,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
+enum { PAIR_LIMIT = 16 };
+
 static void check_values(const struct picture_query *query)
 {
     struct json_writer writer = {0};
@@ -27,15 +29,19 @@ static void check_values(const struct picture_query *query)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    char *text = malloc(size + 1), *query_text;
+    char *text = malloc(size + 1), *rest;
+    const char *pairs[PAIR_LIMIT];
     struct picture_query query;
     struct error error = {{0}};
+    size_t count = 0;
 
     if (size > 0) memcpy(text, bytes, size);
     text[size] = '\0';
-    query_text = strchr(text, '?');
-    if (query_text) *query_text++ = '\0';
-    if (picture_query_parse(&query, text, query_text, &error))
+    rest = strchr(text, '?');
+    if (rest) *rest++ = '\0';
+    while (rest && count < PAIR_LIMIT)
+        pairs[count++] = strsep(&rest, "&");
+    if (picture_query_parse(&query, text, pairs, count, &error))
         check_values(&query);
     else if (!error.message[0])
         abort();

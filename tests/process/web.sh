@@ -1,6 +1,8 @@
 # Shared by the tests of march-web: sourced after farm.sh, whose daemon it stands before.
 web_pid=
 web_port=
+as_web=() # what march-web is started with
+export XDG_CACHE_HOME=$scratch # its pictures are kept below
 
 [ -x "$bin/march-web" ] || fail "there is no $bin/march-web: build all targets, not only the programs"
 
@@ -14,7 +16,7 @@ web_listens()
 start_web()
 {
     : >"$scratch/web.log"
-    "$bin/march-web" --config /dev/null --socket "$socket" --listen 127.0.0.1:0 --log-level debug \
+    "${as_web[@]}" "$bin/march-web" --config /dev/null --socket "$socket" --listen 127.0.0.1:0 --log-level debug \
         --page-dir "$PROJECT_ROOT/web/page" --document-dir "$PROJECT_ROOT/jobs" "$@" 2>>"$scratch/web.log" &
     web_pid=$!
     wait_until "march-web listens" web_listens

@@ -48,6 +48,8 @@ struct http_request {
     bool is_answered, wants_close;
     unsigned char *head, *content; // owned; each begins with LWS_PRE bytes of room
     size_t head_size, content_size, content_sent;
+    bool has_file; // `content` has room for one part of the file
+    int file_fd;   // owned
     bool is_head_sent, is_written;
 };
 

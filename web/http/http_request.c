@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { PIECE = 64 * 1024 }; // bytes written at once
 
@@ -45,6 +46,7 @@ void http_request_destroy(struct http_request *request)
     free(request->fetch_site);
     free(request->known_etag);
     free(request->body);
+    if (request->has_file) close(request->file_fd);
     free(request->head);
     free(request->content);
     free(request);
@@ -78,6 +80,11 @@ const char *http_request_query_at(const struct http_request *request, size_t ind
 const char *http_request_token(const struct http_request *request)
 {
     return request->token;
+}
+
+const char *http_request_known_etag(const struct http_request *request)
+{
+    return request->known_etag;
 }
 
 const char *http_request_body(const struct http_request *request, size_t *size_bytes)
@@ -137,7 +144,8 @@ static const char *status_text(int status)
                  {501, "Not Implemented"},
                  {502, "Bad Gateway"},
                  {503, "Service Unavailable"},
-                 {504, "Gateway Timeout"}};
+                 {504, "Gateway Timeout"},
+                 {507, "Insufficient Storage"}};
 
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         if (texts[i].status == status) return texts[i].text;
@@ -163,6 +171,7 @@ static void compose_head(struct http_request *request, const struct http_answer 
     write_member(head, "Cache-Control", answer->cache ? answer->cache : "no-store");
     write_member(head, "Location", answer->location);
     write_member(head, "Set-Cookie", answer->cookie);
+    write_member(head, "Marchd-Picture", answer->picture);
     if (status == 401) write_member(head, "WWW-Authenticate", "Bearer");
     if (status == 503) write_member(head, "Retry-After", "2");
     write_member(head, "Connection", request->wants_close ? "close" : "keep-alive");
@@ -190,10 +199,12 @@ void http_request_answer(struct http_request *request, const struct http_answer 
     if (!request->has_all) request->wants_close = true;
     compose_head(request, answer, status, answer->size_bytes);
     if (answer->size_bytes > 0 && !is_cached && !http_request_is_head(request)) {
-        request->content = xmalloc(LWS_PRE + answer->size_bytes);
-        memcpy(request->content + LWS_PRE, answer->bytes, answer->size_bytes);
+        request->content = xmalloc(LWS_PRE + (answer->has_file ? PIECE : answer->size_bytes));
+        if (!answer->has_file) memcpy(request->content + LWS_PRE, answer->bytes, answer->size_bytes);
         request->content_size = answer->size_bytes;
     }
+    request->has_file = answer->has_file;
+    request->file_fd = answer->file_fd;
     request->is_answered = true;
     http_connection_wait(request->connection, HTTP_WRITE_TIME_MS);
     lws_callback_on_writable(request->connection->wsi);
@@ -229,8 +240,10 @@ bool http_request_write(struct http_request *request)
         request->is_head_sent = true;
     } else {
         size_t rest = request->content_size - request->content_sent, size = rest < PIECE ? rest : PIECE;
-        unsigned char *bytes = request->content + LWS_PRE + request->content_sent;
+        unsigned char *bytes = request->content + LWS_PRE + (request->has_file ? 0 : request->content_sent);
 
+        if (request->has_file && pread(request->file_fd, bytes, size, (off_t)request->content_sent) != (ssize_t)size)
+            return false;
         if (lws_write(wsi, bytes, size, size == rest ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0) return false;
         request->content_sent += size;
     }

@@ -13,6 +13,9 @@ struct http_answer {
     const char *type;     // Content-Type; NULL: none
     const void *bytes;    // NULL: no body
     size_t size_bytes;    // of the body
+    bool has_file;        // the body is so many bytes of a file from its start, in place of `bytes`
+    int file_fd;          // taken over, also where no body is wanted
+    const char *picture;  // Marchd-Picture, or NULL: what is known of a picture
     const char *etag;     // names these bytes; NULL: none. A client that has them is answered with 304.
     const char *cache;    // Cache-Control; NULL: "no-store"
     const char *location; // of a redirection, or NULL
@@ -38,6 +41,7 @@ const char *http_request_query(const struct http_request *request, const char *n
 size_t http_request_query_count(const struct http_request *request);
 const char *http_request_query_at(const struct http_request *request, size_t index); // "NAME=VALUE"
 const char *http_request_token(const struct http_request *request);                  // NULL: none
+const char *http_request_known_etag(const struct http_request *request);             // If-None-Match; NULL: none
 const char *http_request_body(const struct http_request *request, size_t *size_bytes);
 const char *http_request_address(const struct http_request *request); // of the peer, for the log
 bool http_request_is_head(const struct http_request *request);        // only the answer's head is wanted

@@ -1,5 +1,4 @@
-// A picture is the file KEY: its bytes, then a trailer of fixed size that says how many bytes they are and their hash. It
-// gets its name when it is whole.
+// A picture is the file KEY: its bytes, then a trailer of fixed size, which says how many they are, and their hash.
 // SPDX-License-Identifier: Apache-2.0
 #include "web/pictures/picture_cache.h"
 

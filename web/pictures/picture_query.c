@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VALUE_LIMIT = PICTURE_CHANNEL_LIMIT, SIDE_LIMIT = 16384, SIZE_LIMIT = 4096 };
+enum { SIDE_LIMIT = 16384, SIZE_LIMIT = 4096 };
 static const double EXPOSURE_LIMIT_STOPS = 60;
 static const char prefix[] = "/frame/";
 
@@ -50,36 +50,6 @@ static bool read_path(struct picture_query *query, const char *path, struct erro
     return false;
 }
 
-static int read_hex(char digit)
-{
-    if (digit >= '0' && digit <= '9') return digit - '0';
-    if (digit >= 'a' && digit <= 'f') return digit - 'a' + 10;
-    if (digit >= 'A' && digit <= 'F') return digit - 'A' + 10;
-    return -1;
-}
-
-// Decodes "%41+b" as "A b".
-static bool decode(const char *text, size_t length, char value[static VALUE_LIMIT + 1])
-{
-    size_t count = 0;
-
-    for (size_t i = 0; i < length; i++) {
-        char byte = text[i] == '+' ? ' ' : text[i];
-
-        if (byte == '%') {
-            int high = i + 2 < length ? read_hex(text[i + 1]) : -1, low = high >= 0 ? read_hex(text[i + 2]) : -1;
-
-            if (low < 0) return false;
-            byte = (char)(high * 16 + low);
-            i += 2;
-        }
-        if (byte == '\0' || count == VALUE_LIMIT) return false;
-        value[count++] = byte;
-    }
-    value[count] = '\0';
-    return true;
-}
-
 static bool read_pixels(const char *name, const char *value, int min, int max, int *pixels, struct error *error)
 {
     int64_t number;
@@ -106,7 +76,7 @@ static bool read_exposure(struct picture_query *query, const char *value, struct
 
 static bool read_channel(struct picture_query *query, const char *value, struct error *error)
 {
-    bool is_name = *value != '\0';
+    bool is_name = *value != '\0' && strlen(value) <= PICTURE_CHANNEL_LIMIT;
 
     for (const char *at = value; *at;) {
         size_t length = utf8_character_length(at, strlen(at));
@@ -115,7 +85,7 @@ static bool read_channel(struct picture_query *query, const char *value, struct 
         at += length > 0 ? length : 1;
     }
     if (!is_name || utf8_find_hidden(value)) {
-        error_set(error, "channel: expected the name of a channel");
+        error_set(error, "channel: expected the name of a channel, of at most %d bytes", PICTURE_CHANNEL_LIMIT);
         return false;
     }
     // Colour is what is shown without a channel: both are one picture.
@@ -154,14 +124,12 @@ static int find_name(const char *text, size_t length)
 }
 
 // Reads "NAME=VALUE".
-static bool read_pair(struct picture_query *query, const char *pair, size_t length, unsigned *seen, struct error *error)
+static bool read_pair(struct picture_query *query, const char *pair, unsigned *seen, struct error *error)
 {
-    const char *equals = memchr(pair, '=', length);
-    size_t name_length = equals ? (size_t)(equals - pair) : length;
-    int name = find_name(pair, name_length);
-    char value[VALUE_LIMIT + 1];
+    size_t length = strcspn(pair, "=");
+    int name = find_name(pair, length);
 
-    if (name < 0 || !equals) {
+    if (name < 0 || pair[length] == '\0') {
         error_set(error, "expected channel, exposure, x, y, w, h or size, each with =VALUE");
         return false;
     }
@@ -170,28 +138,22 @@ static bool read_pair(struct picture_query *query, const char *pair, size_t leng
         return false;
     }
     *seen |= 1U << name;
-    if (decode(equals + 1, length - name_length - 1, value)) return read_value(query, names[name], value, error);
-    error_set(error, "%s: expected at most %d bytes, and %%XX for special ones", names[name], VALUE_LIMIT);
-    return false;
+    return read_value(query, names[name], pair + length + 1, error);
 }
 
-bool picture_query_parse(struct picture_query *query, const char *path, const char *text, struct error *error)
+bool picture_query_parse(struct picture_query *query, const char *path, const char *const pairs[], size_t pair_count,
+                         struct error *error)
 {
     unsigned seen = 0;
 
     *query = (struct picture_query){0};
     if (!read_path(query, path, error)) return false;
-    if (query->form == PICTURE_FORM_HEADER && text && *text) {
+    if (query->form == PICTURE_FORM_HEADER && pair_count > 0) {
         error_set(error, "expected nothing after the question mark, for a header has no parts");
         return false;
     }
-    while (text && *text) {
-        size_t length = strcspn(text, "&");
-
-        if (!read_pair(query, text, length, &seen, error)) return false;
-        text += length;
-        if (*text == '&') text++;
-    }
+    for (size_t i = 0; i < pair_count; i++)
+        if (!read_pair(query, pairs[i], &seen, error)) return false;
     return true;
 }
 

@@ -26,8 +26,9 @@ struct picture_query {
 
 // True for a path below /frame/, of whatever form.
 bool picture_query_is_one(const char *path);
-// Reads the path and the text behind its question mark (NULL: none). A name that is not known, or comes
-// twice, is an error; for a header there are none.
-bool picture_query_parse(struct picture_query *query, const char *path, const char *text, struct error *error);
+// Reads the path, and what stands behind its question mark: decoded texts NAME=VALUE. A name that is not known, or
+// comes twice, is an error; for a header there are none.
+bool picture_query_parse(struct picture_query *query, const char *path, const char *const pairs[], size_t pair_count,
+                         struct error *error);
 // Writes the members of worker.picture that the query has, in one order: equal pictures have equal texts.
 void picture_query_write(const struct picture_query *query, struct json_writer *writer);

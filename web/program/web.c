@@ -9,6 +9,7 @@
 #include "web/http/http_walls.h"
 #include "web/program/web_check.h"
 #include "web/routes/route_files.h"
+#include "web/routes/route_frame.h"
 #include "web/routes/route_metrics.h"
 #include "web/routes/route_rpc.h"
 #include "web/routes/route_session.h"
@@ -27,6 +28,7 @@ struct web {
     struct http_origins origins;
     struct http_server *server;
     struct farm_calls *calls;
+    struct route_frame *frames;
     struct route_files files;
     struct route_session session;
     struct route_socket sockets;
@@ -54,6 +56,12 @@ static void lay_out(struct web *web, const struct web_options *options)
         {.method = "GET", .path = "/readyz", .answer = route_session_ready, .user = &web->session},
         {.method = "GET", .path = "/metrics", .needs_token = true, .answer = route_metrics, .user = web->calls},
         {.method = "GET", .path = "/session", .needs_token = true, .answer = route_session_show, .user = &web->session},
+        {.method = "GET",
+         .path = "/frame/",
+         .is_prefix = true,
+         .needs_token = true,
+         .answer = route_frame_answer,
+         .user = web->frames},
         {.method = "POST", .path = "/logout", .answer = route_session_end, .user = &web->session},
         {.method = "POST",
          .path = "/rpc",
@@ -72,6 +80,18 @@ static void lay_out(struct web *web, const struct web_options *options)
         web->routes[i] = routes[i];
 }
 
+static struct route_frame *open_frames(struct web *web, const struct web_options *options)
+{
+    return route_frame_open(&(struct route_frame_params){.loop = &web->loop,
+                                                         .calls = web->calls,
+                                                         .worker = options->worker_program,
+                                                         .cache_folder = options->cache_folder,
+                                                         .cache_bytes = options->cache_bytes,
+                                                         .worker_bytes = options->picture_memory_bytes,
+                                                         .limit_ms = options->picture_time_ms,
+                                                         .worker_count = options->picture_workers});
+}
+
 static void watch_signal(struct web *web, uv_signal_t *handle, int number)
 {
     uv_signal_init(&web->loop, handle);
@@ -82,7 +102,10 @@ static void watch_signal(struct web *web, uv_signal_t *handle, int number)
 // No request is left that could call the daemon.
 static void on_server_closed(void *user)
 {
-    farm_calls_destroy(((struct web *)user)->calls);
+    struct web *web = user;
+
+    route_frame_close(web->frames);
+    farm_calls_destroy(web->calls);
 }
 
 static void stop(struct web *web)
@@ -131,6 +154,7 @@ bool web_run(const struct web_options *options, struct error *error)
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&web.loop);
     web.calls = farm_calls_create(&web.loop, options->socket_path);
+    web.frames = open_frames(&web, options);
     lay_out(&web, options);
     watch_signal(&web, &web.terminated, SIGTERM);
     watch_signal(&web, &web.interrupted, SIGINT);

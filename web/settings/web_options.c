@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { CONNECTION_LIMIT = 16384 };
+enum { CONNECTION_LIMIT = 16384, PICTURE_WORKER_LIMIT = 4 };
 
 enum option_code {
     OPTION_CONFIG = 256,
@@ -26,6 +26,12 @@ enum option_code {
     OPTION_CHART_FILE,
     OPTION_CONNECTIONS,
     OPTION_ADDRESS_CONNECTIONS,
+    OPTION_WORKER_PROGRAM,
+    OPTION_CACHE_DIR,
+    OPTION_CACHE_BYTES,
+    OPTION_PICTURE_WORKERS,
+    OPTION_PICTURE_MEMORY,
+    OPTION_PICTURE_TIME,
     OPTION_LOG_LEVEL,
     OPTION_HELP,
     OPTION_VERSION
@@ -43,6 +49,12 @@ static const struct option long_options[] = {
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {"connections", required_argument, NULL, OPTION_CONNECTIONS},
     {"address-connections", required_argument, NULL, OPTION_ADDRESS_CONNECTIONS},
+    {"worker-program", required_argument, NULL, OPTION_WORKER_PROGRAM},
+    {"cache-dir", required_argument, NULL, OPTION_CACHE_DIR},
+    {"cache-bytes", required_argument, NULL, OPTION_CACHE_BYTES},
+    {"picture-workers", required_argument, NULL, OPTION_PICTURE_WORKERS},
+    {"picture-memory", required_argument, NULL, OPTION_PICTURE_MEMORY},
+    {"picture-time", required_argument, NULL, OPTION_PICTURE_TIME},
     {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
@@ -100,6 +112,26 @@ static void add_origin(struct setter *setter, const char *text)
     options->origins[options->origin_count++] = xstrdup(text);
 }
 
+static bool set_picture_option(struct setter *setter, int code, const char *text, struct error *error)
+{
+    struct web_options *options = setter->options;
+
+    switch (code) {
+    case OPTION_WORKER_PROGRAM:
+        return set_path(setter, &options->worker_program, "worker-program", text, error);
+    case OPTION_CACHE_DIR:
+        return set_path(setter, &options->cache_folder, "cache-dir", text, error);
+    case OPTION_CACHE_BYTES:
+        return options_value_limit("cache-bytes", text, 1024, 0, &options->cache_bytes, error);
+    case OPTION_PICTURE_WORKERS:
+        return options_value_count("picture-workers", text, PICTURE_WORKER_LIMIT, &options->picture_workers, error);
+    case OPTION_PICTURE_MEMORY:
+        return options_value_limit("picture-memory", text, 1024, 0, &options->picture_memory_bytes, error);
+    default:
+        return options_value_seconds("picture-time", text, 1.0, &options->picture_time_ms, error);
+    }
+}
+
 static bool set_option(struct setter *setter, int code, const char *text, struct error *error)
 {
     struct web_options *options = setter->options;
@@ -127,8 +159,10 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return options_value_count("connections", text, CONNECTION_LIMIT, &options->connection_limit, error);
     case OPTION_ADDRESS_CONNECTIONS:
         return options_value_count("address-connections", text, CONNECTION_LIMIT, &options->address_limit, error);
-    default:
+    case OPTION_LOG_LEVEL:
         return options_value_level(text, &options->log_level, error);
+    default:
+        return set_picture_option(setter, code, text, error);
     }
 }
 
@@ -233,6 +267,23 @@ static bool parse_line(struct setter *setter, int argc, char **argv, struct firs
     return false;
 }
 
+static void set_picture_defaults(struct web_options *options, const struct web_surroundings *surroundings,
+                                 bool is_system)
+{
+    const char *given = surroundings->cache_directory, *home = surroundings->xdg_cache_home;
+
+    if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
+    if (options->cache_folder) return;
+    if (given && *given == '/')
+        options->cache_folder = xstrdup(given);
+    else if (is_system || (!home && !surroundings->home))
+        options->cache_folder = xstrdup("/var/cache/marchd-web");
+    else if (home && *home == '/')
+        options->cache_folder = xasprintf("%s/marchd-web", home);
+    else
+        options->cache_folder = xasprintf("%s/.cache/marchd-web", surroundings->home);
+}
+
 static bool set_defaults(struct web_options *options, const struct web_surroundings *surroundings, bool is_system,
                          struct error *error)
 {
@@ -240,6 +291,7 @@ static bool set_defaults(struct web_options *options, const struct web_surroundi
     if (!options->page_folder) options->page_folder = xasprintf("%s/marchd/page", surroundings->data_folder);
     if (!options->document_folder) options->document_folder = xasprintf("%s/marchd", surroundings->data_folder);
     if (!options->chart_file) options->chart_file = xstrdup("/usr/share/javascript/chart.js/chart.min.js");
+    set_picture_defaults(options, surroundings, is_system);
     if (options->socket_path) return true;
     if (is_system)
         options->socket_path = xstrdup("/run/marchd/marchd.sock");
@@ -274,7 +326,13 @@ bool web_options_read(struct web_options *options, int argc, char **argv, const 
     struct setter setter = {.options = options, .mistakes = &mistakes, .current_folder = surroundings->current_folder};
     struct error error = {0};
 
-    *options = (struct web_options){.connection_limit = 1024, .address_limit = 512, .log_level = LOG_INFO};
+    *options = (struct web_options){.connection_limit = 1024,
+                                    .address_limit = 512,
+                                    .log_level = LOG_INFO,
+                                    .cache_bytes = INT64_C(1) << 30,
+                                    .picture_memory_bytes = INT64_C(1) << 30,
+                                    .picture_time_ms = 30000,
+                                    .picture_workers = 2};
     if (!read_all(&setter, argc, argv, surroundings, &error)) on_mistake(&setter, error.message);
     if (mistakes.count == 0) return true;
     web_options_finish(options);
@@ -288,6 +346,8 @@ void web_options_finish(struct web_options *options)
     free(options->page_folder);
     free(options->document_folder);
     free(options->chart_file);
+    free(options->worker_program);
+    free(options->cache_folder);
     free(options->config_file);
     drop_origins(options);
     *options = (struct web_options){0};

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct error;
 
@@ -15,6 +16,8 @@ struct web_surroundings {
     const char *config_path;    // the system's file: read for root and with --system, unless --config names another
     const char *current_folder; // absolute; relative paths start there
     const char *data_folder;    // where the installed page is
+    const char *program_folder; // of this program; the worker is beside it
+    const char *xdg_cache_home, *cache_directory; // environment variables, the second the service manager's
     bool is_root;
 };
 
@@ -28,6 +31,10 @@ struct web_options {
     char **origins;        // as written; checked by who uses them
     size_t origin_count, origin_capacity;
     int connection_limit, address_limit;
+    char *worker_program; // makes pictures of frames
+    char *cache_folder;   // where they are kept
+    int64_t cache_bytes, picture_memory_bytes, picture_time_ms;
+    int picture_workers;
     enum log_level log_level;
     char *config_file;              // NULL, or the file whose settings were read
     bool wants_check;               // only the settings are to be checked

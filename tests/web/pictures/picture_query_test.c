@@ -8,18 +8,32 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
+
+// Splits a text at its ampersands, as a server does.
+static bool parse(struct picture_query *query, const char *path, const char *text, struct error *error)
+{
+    char copy[512], *rest = copy;
+    const char *pairs[16];
+    size_t count = 0;
+
+    snprintf(copy, sizeof copy, "%s", text ? text : "");
+    while (text && rest)
+        pairs[count++] = strsep(&rest, "&");
+    return picture_query_parse(query, path, pairs, count, error);
+}
 
 static void path_names_job_frame_and_form(void **state)
 {
     struct picture_query query;
 
-    assert_true(picture_query_parse(&query, "/frame/7/12.png", NULL, NULL));
+    assert_true(parse(&query, "/frame/7/12.png", NULL, NULL));
     assert_true(query.job == 7 && query.frame == 12 && query.form == PICTURE_FORM_PNG);
     assert_false(query.has_exposure);
-    assert_true(picture_query_parse(&query, "/frame/9007199254740992/0012.json", "", NULL));
+    assert_true(parse(&query, "/frame/9007199254740992/0012.json", NULL, NULL));
     assert_true(query.job == INT64_C(1) << 53 && query.frame == 12 && query.form == PICTURE_FORM_HEADER);
 }
 
@@ -48,7 +62,7 @@ static void other_paths_are_refused(void **state)
         struct picture_query query;
         struct error error = {0};
 
-        if (picture_query_parse(&query, paths[i], NULL, &error)) fail_msg("%s is taken", paths[i]);
+        if (parse(&query, paths[i], NULL, &error)) fail_msg("%s is taken", paths[i]);
         assert_string_equal(error.message, "expected /frame/JOB/N.png or /frame/JOB/N.json");
     }
 }
@@ -58,8 +72,7 @@ static void values_are_read_and_written_in_one_order(void **state)
     struct json_writer writer = {0};
     struct picture_query query;
 
-    assert_true(picture_query_parse(&query, "/frame/7/1.png",
-                                    "size=512&h=5&w=4&y=3&x=0&exposure=-1.5&channel=diffuse%2ER", NULL));
+    assert_true(parse(&query, "/frame/7/1.png", "size=512&h=5&w=4&y=3&x=0&exposure=-1.5&channel=diffuse.R", NULL));
     json_write_begin_object(&writer);
     picture_query_write(&query, &writer);
     json_write_end_object(&writer);
@@ -72,7 +85,7 @@ static void colour_is_what_is_shown_without_a_channel(void **state)
 {
     struct picture_query query;
 
-    assert_true(picture_query_parse(&query, "/frame/7/1.png", "channel=color&", NULL));
+    assert_true(parse(&query, "/frame/7/1.png", "channel=color", NULL));
     assert_string_equal(query.channel, "");
 }
 
@@ -93,12 +106,9 @@ static void wrong_values_are_refused_by_name(void **state)
                  {"size=4097", "size: expected a number of pixels from 1 to 4096"},
                  {"size=5&size=5", "size: expected once"},
                  {"channel=", "channel: expected"},
-                 {"channel=%00", "channel: expected"},
-                 {"channel=%0a", "channel: expected"},
-                 {"channel=%e2%80%ae", "channel: expected"},
-                 {"channel=%ff", "channel: expected"},
-                 {"channel=%4", "channel: expected"},
-                 {"channel=%zz", "channel: expected"},
+                 {"channel=\n", "channel: expected"},
+                 {"channel=\xe2\x80\xae", "channel: expected"},
+                 {"channel=\xff", "channel: expected"},
                  {"channel", "expected channel, exposure"},
                  {"=5", "expected channel, exposure"},
                  {"out=/etc/passwd", "expected channel, exposure"},
@@ -109,8 +119,7 @@ static void wrong_values_are_refused_by_name(void **state)
         struct picture_query query;
         struct error error = {0};
 
-        if (picture_query_parse(&query, "/frame/7/1.png", wrong[i].text, &error))
-            fail_msg("%s is taken", wrong[i].text);
+        if (parse(&query, "/frame/7/1.png", wrong[i].text, &error)) fail_msg("%s is taken", wrong[i].text);
         if (strncmp(error.message, wrong[i].reason, strlen(wrong[i].reason)) != 0)
             fail_msg("%s: expected \"%s\", got \"%s\"", wrong[i].text, wrong[i].reason, error.message);
     }
@@ -122,16 +131,16 @@ static void long_names_are_refused(void **state)
     struct picture_query query;
 
     memset(text + 8, 'a', PICTURE_CHANNEL_LIMIT);
-    assert_true(picture_query_parse(&query, "/frame/7/1.png", text, NULL));
+    assert_true(parse(&query, "/frame/7/1.png", text, NULL));
     text[8 + PICTURE_CHANNEL_LIMIT] = 'a';
-    assert_false(picture_query_parse(&query, "/frame/7/1.png", text, NULL));
+    assert_false(parse(&query, "/frame/7/1.png", text, NULL));
 }
 
 static void header_has_no_parts(void **state)
 {
     struct picture_query query;
 
-    assert_false(picture_query_parse(&query, "/frame/7/1.json", "x=5", NULL));
+    assert_false(parse(&query, "/frame/7/1.json", "x=5", NULL));
 }
 
 int main(void)

@@ -78,12 +78,18 @@ static void stop(struct stage *stage)
 
 static struct picture_ask *ask(struct stage *stage, const char *path, const char *text, const char *known)
 {
+    bool is_header = !strcmp(text, "header");
+    char copy[128], *rest = copy;
+    const char *pairs[8];
+    size_t count = 0;
     struct picture_query query;
     struct picture_question question = {
         .query = &query, .path = temp_folder_path(stage->state, path), .roots = &stage->roots, .known = known};
 
-    assert_true(picture_query_parse(&query, !strcmp(text, "header") ? "/frame/1/1.json" : "/frame/1/1.png",
-                                    !strcmp(text, "header") ? "" : text, NULL));
+    snprintf(copy, sizeof copy, "%s", is_header ? "" : text);
+    while (*copy && rest)
+        pairs[count++] = strsep(&rest, "&");
+    assert_true(picture_query_parse(&query, is_header ? "/frame/1/1.json" : "/frame/1/1.png", pairs, count, NULL));
     return pictures_ask(stage->pictures, &question, stage);
 }
 
