@@ -76,6 +76,23 @@ ask job.cancel "{\"id\":$first}" >/dev/null
 ask job.cancel "{\"id\":$second}" >/dev/null
 kill_daemon
 
+# A job's root that is away, and a pool that the settings have no more.
+nowhere='far launcher=command nodes=anna command=/bin/false'
+start_daemon --pool "$nowhere"
+id=$(submit "$(job 1-4 '.output.path = "far/f.####.exr" | .pool = "far"')")
+wait_until "it waits for its pool" is_value 'marchd_queue_frames{reason="worker"}' 4
+expect_value 'marchd_workers{pool="far",state="waiting"}' 1
+mv "$scratch/out" "$scratch/away"
+wait_until "it waits for its root" is_value 'marchd_queue_frames{reason="root"}' 4
+expect_value 'marchd_output_roots{state="away"}' 1
+mv "$scratch/away" "$scratch/out"
+wait_until "its root is back" is_value 'marchd_queue_frames{reason="worker"}' 4
+stop_daemon
+start_daemon --worker-program "$(stub write:0)"
+wait_until "no pool may render it" is_value 'marchd_queue_frames{reason="pool"}' 4
+ask job.cancel "{\"id\":$id}" >/dev/null
+stop_daemon
+
 start_daemon --worker-program "$(stub fail:frame)"
 id=$(submit "$(job 1 '.output.path = "fails/f.####.exr"')")
 wait_until "the job failed" has_state "$id" failed

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/store/committer.h"
+
+#include "daemon/metrics/histogram.h"
 #include "tests/daemon/store/store_fixture.h"
 
 // The results of the callbacks, in order: "3+" when ops tagged 3 are on disk, "3-" for a failure.
@@ -60,6 +62,16 @@ static void run_until_trouble(struct stage *stage)
         uv_run(&stage->loop, UV_RUN_ONCE);
 }
 
+static int count_commits(const struct stage *stage)
+{
+    const struct histogram *seconds = committer_seconds(stage->committer);
+    int count = 0;
+
+    for (size_t i = 0; i <= HISTOGRAM_END_LIMIT; i++)
+        count += (int)seconds->counts[i];
+    return count;
+}
+
 static void callbacks_come_in_order_after_the_commit(void **state)
 {
     static const int one = 1, two = 2, three = 3;
@@ -74,6 +86,26 @@ static void callbacks_come_in_order_after_the_commit(void **state)
     run_until_idle(&stage);
     assert_string_equal(told, "1+ 2+ 3+");
     assert_int_equal(load(stage.store).jobs, 3);
+    assert_int_equal(count_commits(&stage), 2); // the second and the third wait for the first, and are one
+    assert_true(committer_seconds(stage.committer)->sum > 0);
+    close_stage(&stage);
+}
+
+// A change that waits for a store that fails takes as long as it waits: a try follows after a second.
+static void what_waits_for_the_store_is_counted_when_it_is_there(void **state)
+{
+    static const int ten = 10, certain = 1, taken = 4;
+    struct stage stage;
+
+    open_stage(&stage, *state);
+    put(&stage, COMMIT_CERTAIN, 10, &ten);
+    put(&stage, COMMIT_CERTAIN, 1, &certain);
+    put(&stage, COMMIT_OR_DROP, 10, &taken);
+    run_until_trouble(&stage);
+    assert_int_equal(count_commits(&stage), 1);
+    run_until_idle(&stage);
+    assert_int_equal(count_commits(&stage), 2);
+    assert_true(committer_seconds(stage.committer)->sum > 0.9);
     close_stage(&stage);
 }
 
@@ -185,6 +217,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(callbacks_come_in_order_after_the_commit, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(what_waits_for_the_store_is_counted_when_it_is_there, make_folder,
+                                        remove_folder),
         cmocka_unit_test_setup_teardown(trouble_is_told_and_ends_without_new_ops, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_flush_waits_for_the_ops_before_it, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_by_policy, make_folder,
