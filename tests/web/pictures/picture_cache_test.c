@@ -197,7 +197,7 @@ static void what_is_no_file_is_not_taken(void **state)
     picture_cache_close(&cache);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
@@ -209,5 +209,6 @@ int main(void)
         TEST(what_is_no_file_is_not_taken),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,7 +99,7 @@ static void who_waits_is_limited_for_each_and_for_all(void **state)
         assert_int_equal(end(&queue, task), 1);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_pictures_are_made_once_for_all_who_wait),
@@ -108,5 +108,6 @@ int main(void)
         cmocka_unit_test(who_waits_is_limited_for_each_and_for_all),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

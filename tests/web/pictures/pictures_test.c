@@ -302,6 +302,26 @@ static void worker_that_fails_or_lies_gives_an_error_and_nothing_else(void **sta
     assert_int_equal(chdir("/"), 0);
 }
 
+static void worker_is_fenced_in_with_one_file_and_a_folder_of_its_own(void **state)
+{
+    struct stage stage;
+    char *words = xasprintf("head -n 1 <&3 >%s; exit 3", temp_folder_path(state, "fence"));
+    char *text, *expected;
+
+    start(&stage, state, write_worker(state, words), LATE_MS);
+    expect_refused(&stage, "films/a/1.exr", "", PICTURE_FAULT, "status 3");
+    assert_true(file_read_text(temp_folder_path(state, "fence"), FILE_LIMIT, &text, NULL, NULL));
+    // Of an input's root itself a fence opens only the files of the input's name.
+    expected = xasprintf("\"params\":{\"inputs\":[{\"place\":\"the frame\",\"root\":\"%s/films/a\",\"folder\":\"\","
+                         "\"path\":\"%s/films/a/1.exr\"}],\"output\":{\"root\":\"%s/cache/work-",
+                         (char *)*state, (char *)*state, (char *)*state);
+    if (!strstr(text, expected)) fail_msg("expected %s, got %s", expected, text);
+    free(expected);
+    free(text);
+    free(words);
+    stop(&stage);
+}
+
 static void fault_is_not_tried_again_at_once(void **state)
 {
     struct stage stage;
@@ -377,7 +397,7 @@ static void too_many_questions_are_refused_and_the_rest_is_forgotten_at_the_end(
     stop(&stage);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
@@ -386,10 +406,12 @@ int main(void)
         TEST(what_is_no_frame_is_refused_with_the_reason),
         TEST(file_that_may_not_be_read_says_whose_matter_that_is),
         TEST(worker_that_fails_or_lies_gives_an_error_and_nothing_else),
+        TEST(worker_is_fenced_in_with_one_file_and_a_folder_of_its_own),
         TEST(fault_is_not_tried_again_at_once),
         TEST(who_goes_away_is_not_waited_for),
         TEST(too_many_questions_are_refused_and_the_rest_is_forgotten_at_the_end),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -149,9 +149,11 @@ static void other_folders_and_links_stay_closed(void **state)
 
     start(&child);
     assert_int_equal(symlink(at(&child, "films/b/1.exr"), at(&child, "films/a/link.exr")), 0);
+    assert_int_equal(symlink("1.exr", at(&child, "films/a/near.exr")), 0);
     assert_int_equal(symlink(at(&child, "films/b"), at(&child, "films/a/folder")), 0);
     assert_int_equal(mkfifo(at(&child, "films/a/pipe.exr"), 0600), 0);
     expect_refused(&child, "a/link.exr", "", MESSAGE_CODE_INTERNAL, "cannot be opened");
+    expect_refused(&child, "a/near.exr", "", MESSAGE_CODE_INTERNAL, "cannot be opened");
     expect_refused(&child, "a/pipe.exr", "", MESSAGE_CODE_INTERNAL, "no regular file");
     expect_refused(&child, "a", "", MESSAGE_CODE_INTERNAL, "no regular file");
     expect_refused(&child, "b/1.exr", "", MESSAGE_CODE_INTERNAL, "Permission denied");
