@@ -7,6 +7,11 @@ install(TARGETS marchd march march-launch RUNTIME DESTINATION ${CMAKE_INSTALL_BI
 # What a node needs is a component, and a package, of its own.
 install(TARGETS march-worker RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT worker)
 
+# The Python client is a component, and a package, of its own.
+set(MARCHD_PYTHON_DIR lib/python3/dist-packages CACHE STRING "where Python finds modules")
+install(DIRECTORY python/marchd DESTINATION ${MARCHD_PYTHON_DIR} COMPONENT python FILES_MATCHING PATTERN *.py PATTERN py.typed
+        PATTERN __pycache__ EXCLUDE PATTERN .mypy_cache EXCLUDE)
+
 # Units name the programs where they are installed. The system's are installed again as a template: marchd@NAME is a farm
 # of its own, beside the first.
 function(install_units folder destination)

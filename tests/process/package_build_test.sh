@@ -12,10 +12,11 @@ trap 'rm -rf "$scratch"' EXIT
 # What is packed here is unpacked at once.
 export DPKG_DEB_COMPRESSOR_TYPE=gzip DPKG_DEB_COMPRESSOR_LEVEL=1
 "$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7 >"$scratch/built" || fail "deploy/package"
-{ read -r package && read -r worker; } <"$scratch/built"
+{ read -r package && read -r worker && read -r python; } <"$scratch/built"
 version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/CMakeLists.txt")
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
 [ "$worker" = "$scratch/out/marchd-worker_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $worker"
+[ "$python" = "$scratch/out/python3-marchd_$version-7_all.deb" ] || fail "built as $python"
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
 # The package's files are the installed ones and those that Debian requires; man pages and the changelog are compressed.
@@ -38,6 +39,7 @@ packed() {
 }
 installed_files /usr "$units" | packed "$package" marchd
 worker_files /usr | packed "$worker" marchd-worker
+python_files /usr | packed "$python" python3-marchd
 dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/share/doc/marchd/copyright >"$scratch/copyright"
 for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: *' 'License: Apache-2.0' \
     ' /usr/share/common-licenses/Apache-2.0.'; do
@@ -59,6 +61,11 @@ depends() {
     done
 }
 depends "$package" libc6 libuv1 libsqlite3-0 libsystemd0 systemd "marchd-worker (= $version-7)"
+depends "$python" python3:any
+PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages
+export PYTHONDONTWRITEBYTECODE PYTHONPATH
+dpkg-deb -x "$python" "$scratch/unpacked"
+(cd "$scratch" && python3 -c 'import marchd; assert marchd.__file__.startswith("'"$scratch"'")') || fail "the package's modules cannot be imported"
 depends "$worker" libc6 libuv1 libegl1 libegl-mesa0 libgl1-mesa-dri
 ! dpkg-deb -f "$worker" Depends | grep -qE 'systemd|sqlite' || fail "a node does not need $(dpkg-deb -f "$worker" Depends)"
 dpkg-deb -I "$worker" | grep -qE ' (post|pre)(inst|rm) ' && fail "marchd-worker has scripts"
@@ -90,5 +97,5 @@ if command -v shellcheck >/dev/null; then
     shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT"/deploy/debian/post* "$PROJECT_ROOT"/deploy/debian/prerm || fail "shellcheck"
 fi
 if command -v lintian >/dev/null; then
-    lintian --fail-on error,warning --allow-root "$package" "$worker" || fail "lintian"
+    lintian --fail-on error,warning --allow-root "$package" "$worker" "$python" || fail "lintian"
 fi

@@ -12,6 +12,11 @@ worker_files() {
     printf '%s\n' "$1/bin/march-worker" "$1/share/man/man8/march-worker.8"
 }
 
+# python_files PREFIX: those of the Python client, likewise.
+python_files() {
+    below python/marchd "$1/lib/python3/dist-packages/marchd" | grep -v __pycache__
+}
+
 # installed_files PREFIX UNIT-FOLDER: prints the paths of all other installed files.
 installed_files() {
     {

@@ -10,7 +10,7 @@ prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$built/CMakeCache.txt")
 root=$scratch/root
 
 DESTDIR=$root cmake --install "$built" >"$scratch/log" 2>&1 || fail "cmake --install: $(tail -n 5 "$scratch/log")"
-{ installed_files "$prefix" "$prefix/lib/systemd/system" && worker_files "$prefix"; } | sort >"$scratch/expected"
+{ installed_files "$prefix" "$prefix/lib/systemd/system" && worker_files "$prefix" && python_files "$prefix"; } | sort >"$scratch/expected"
 (cd "$root" && find . ! -type d | sed 's/^\.//' | sort) >"$scratch/found"
 diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "installed otherwise (< expected, > found): $(cat "$scratch/diff")"
 odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
