@@ -1,18 +1,18 @@
 // Plays the frames that are done, while others arrive.
 import { View, el, count } from "./dom.js";
-import { pictureUrl, pictureFault } from "./frame.js";
+import { pictureUrl, faultOf } from "./frame.js";
 
 const SIZE_PX = 960, AHEAD = 12, KEPT = 120, AT_ONCE = 3, FPS = 24;
 
 export class Flipbook extends View {
   constructor(view) {
     super();
-    Object.assign(this, { view, map: view.map, at: 0, pictures: new Map(), waiting: new Set(), exposure: 0 });
+    Object.assign(this, { view, map: view.map, at: 0, pictures: new Map(), waiting: new Set(), exposure: null });
     this.canvas = el("canvas", { class: "flip", role: "img", "aria-label": "The frame that is shown" });
     this.button = el("button", { type: "button", class: "main", title: "Key: Space", onclick: () => this.play(!this.isPlaying) });
     this.slider = el("input", { type: "range", min: "0", value: "0", "aria-label": "Frame", oninput: () => this.goto(Number(this.slider.value)) });
     this.fps = el("input", { type: "number", min: "1", max: "60", value: `${view.shown?.document?.fps ?? FPS}`, "aria-label": "Frames a second" });
-    this.stops = el("input", { type: "number", step: "0.5", min: "-10", max: "10", value: "0", "aria-label": "Exposure in stops", onchange: () => this.expose() });
+    this.stops = el("input", { type: "number", step: "0.5", min: "-10", max: "10", "aria-label": "Exposure in stops", onchange: () => this.expose() });
     this.told = el("p", { class: "tell" });
     this.root = el("div", { class: "flipbook" }, this.told, el("div", { class: "tools" }, this.button, this.slider,
       el("label", null, this.fps, " fps"), el("label", null, "exposure ", this.stops),
@@ -35,9 +35,9 @@ export class Flipbook extends View {
     return this.done[this.at];
   }
 
-  // One exposure for all frames, so that nothing flickers: what the job's look takes is set by hand.
+  // One exposure for all frames, so that nothing flickers: what the first one takes by itself, or one that is set.
   expose() {
-    this.exposure = Number(this.stops.value);
+    this.exposure = this.stops.value === "" ? null : Number(this.stops.value);
     this.drop();
     this.draw();
   }
@@ -90,7 +90,7 @@ export class Flipbook extends View {
   }
 
   load() {
-    for (let i = 0; i < Math.min(AHEAD, this.done.length) && this.waiting.size < AT_ONCE; i++) {
+    for (let i = 0; i < Math.min(AHEAD, this.done.length) && this.waiting.size < (this.exposure === null ? 1 : AT_ONCE); i++) {
       const frame = this.done[(this.at + i) % this.done.length];
       if (!this.pictures.has(frame) && !this.waiting.has(frame)) this.fetch(frame);
     }
@@ -102,11 +102,16 @@ export class Flipbook extends View {
   }
 
   async fetch(frame) {
-    const { exposure } = this, url = pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX });
+    let { exposure } = this;
+    const url = pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX });
     this.waiting.add(frame);
     try {
       const answer = await fetch(url);
-      if (!answer.ok) throw new Error((await answer.text()).trim() || (await pictureFault(url)));
+      if (!answer.ok) throw new Error(await faultOf(answer));
+      if (exposure === null && this.exposure === null) {
+        exposure = this.exposure = JSON.parse(answer.headers.get("marchd-picture")).exposure;
+        this.stops.value = exposure.toFixed(2);
+      }
       const picture = await createImageBitmap(await answer.blob());
       if (this.isHidden || exposure !== this.exposure) picture.close();
       else this.pictures.set(frame, picture);

@@ -7,10 +7,12 @@ const look = { channel: "color", exposure: null, zoom: 0, x: 0.5, y: 0.5 }; // k
 
 export const pictureUrl = (job, frame, params) => `/frame/${job}/${frame}.png?${new URLSearchParams(Object.entries(params).filter(([, value]) => value !== null))}`;
 
-// Why there is no picture.
+// Why there is no picture: the text of {"error": text}.
+export const faultOf = (answer) => answer.json().then(({ error }) => error, () => `${answer.status} ${answer.statusText}`);
+
 export async function pictureFault(url) {
-  const answer = await fetch(url).catch((error) => ({ ok: false, text: async () => error.message }));
-  return answer.ok ? "" : (await answer.text()).trim();
+  const answer = await fetch(url).catch((error) => ({ json: async () => ({ error: error.message }) }));
+  return answer.ok ? "" : faultOf(answer);
 }
 
 export class FrameView extends View {
@@ -112,7 +114,7 @@ export class FrameView extends View {
     this.header.replaceChildren();
     if (!isThere) return void (this.note.textContent = `The frame is ${frame.state}: there is no picture yet.`);
     const answer = await fetch(`/frame/${this.id}/${this.frame}.json`);
-    if (!answer.ok) throw new Error((await answer.text()).trim());
+    if (!answer.ok) throw new Error(await faultOf(answer));
     this.about = await answer.json();
     const { channels, attributes, compression, width_px: width, height_px: height } = this.about;
     const names = new Set(channels.map(({ name }) => name.replace(/^[RGB]$/, "color").replace(/\.[RGB]$/, "")));
