@@ -18,6 +18,10 @@ expect "options of marchd(8)" "$(sed -n '/BEGIN/,/END/s/^\.B \(.*\)/\1/p' "$page
 # A setting is an option of the daemon that a file may hold.
 expect "settings of marchd.conf(5)" "$(sed -n 's/^\.B \([a-z\-]*\) = *.*/\1/p' "$pages/marchd.conf.5" | sed 's/\\//g' | sort -u)" \
     "$("$bin/marchd" --help | sed -nE 's/^  --([a-z-]+) [^ ].*/\1/p' | grep -vxE 'config|system|backup|restore' | sort -u)"
+expect "options of march-web(8)" "$(sed -n '/BEGIN/,/END/s/^\.B \(.*\)/\1/p' "$pages/march-web.8" | grep -o -- '\\-\\-[a-z\-]*' | sed 's/\\//g')" \
+    "$("$bin/march-web" --help | grep -oE '^  --[a-z-]+|, --version' | grep -o -- '--.*')"
+expect "settings of march-web.conf(5)" "$(sed -n 's/^\.B \([a-z\-]*\) = *.*/\1/p' "$pages/march-web.conf.5" | sed 's/\\//g' | sort -u)" \
+    "$("$bin/march-web" --help | sed -nE 's/^  --([a-z-]+) [^ ].*/\1/p' | grep -vxE 'config|system' | sort -u)"
 expect "options of march-worker(8)" "$(sed -nE '/^\.SH OPTIONS/,$s/^\.(B|BI|BR) (\\-\\-[^ ]*).*/\2/p' "$pages/march-worker.8" | sed 's/\\//g')" \
     "$("$bin/march-worker" --help 2>&1 | grep -oE -- '--[a-z-]+')"
 

@@ -12,10 +12,11 @@ trap 'rm -rf "$scratch"' EXIT
 # What is packed here is unpacked at once.
 export DPKG_DEB_COMPRESSOR_TYPE=gzip DPKG_DEB_COMPRESSOR_LEVEL=1
 "$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7 >"$scratch/built" || fail "deploy/package"
-{ read -r package && read -r worker && read -r python; } <"$scratch/built"
+{ read -r package && read -r worker && read -r web && read -r python; } <"$scratch/built"
 version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/CMakeLists.txt")
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
 [ "$worker" = "$scratch/out/marchd-worker_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $worker"
+[ "$web" = "$scratch/out/marchd-web_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $web"
 [ "$python" = "$scratch/out/python3-marchd_$version-7_all.deb" ] || fail "built as $python"
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
@@ -39,6 +40,7 @@ packed() {
 }
 installed_files /usr "$units" | packed "$package" marchd
 worker_files /usr | packed "$worker" marchd-worker
+web_files /usr "$units" | packed "$web" marchd-web
 python_files /usr | packed "$python" python3-marchd
 dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/share/doc/marchd/copyright >"$scratch/copyright"
 for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: *' 'License: Apache-2.0' \
@@ -67,6 +69,7 @@ export PYTHONDONTWRITEBYTECODE PYTHONPATH
 dpkg-deb -x "$python" "$scratch/unpacked"
 (cd "$scratch" && python3 -c 'import marchd; assert marchd.__file__.startswith("'"$scratch"'")') || fail "the package's modules cannot be imported"
 depends "$worker" libc6 libuv1 libegl1 libegl-mesa0 libgl1-mesa-dri
+depends "$web" libc6 libuv1 libwebsockets17 libwebsockets-evlib-uv libjs-chart.js "marchd (= $version-7)"
 ! dpkg-deb -f "$worker" Depends | grep -qE 'systemd|sqlite' || fail "a node does not need $(dpkg-deb -f "$worker" Depends)"
 dpkg-deb -I "$worker" | grep -qE ' (post|pre)(inst|rm) ' && fail "marchd-worker has scripts"
 [ "$(dpkg-deb -f "$worker" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"
@@ -93,9 +96,16 @@ folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut
 [ "$users" -lt "$folders" ] || fail "folders are made before their owner"
 ! grep -A 2 '= *upgrade' "$scratch/control/prerm" || fail "an upgrade stops something before the new files are there"
 
+# The page is off until somebody turns it on; its user is made without the service.
+dpkg-deb -e "$web" "$scratch/web"
+[ "$(cat "$scratch/web/conffiles")" = /etc/marchd/march-web.conf ] || fail "conffiles of marchd-web: $(cat "$scratch/web/conffiles")"
+grep -q systemd-sysusers "$scratch/web/postinst" || fail "marchd-web makes no user"
+! grep -E "deb-systemd-helper enable|deb-systemd-invoke start" "$scratch/web/postinst" || fail "marchd-web turns itself on"
+! grep -q march-web "$scratch/control/postinst" || fail "marchd turns the page on"
+
 if command -v shellcheck >/dev/null; then
     shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT"/deploy/debian/post* "$PROJECT_ROOT"/deploy/debian/prerm || fail "shellcheck"
 fi
 if command -v lintian >/dev/null; then
-    lintian --fail-on error,warning --allow-root "$package" "$worker" "$python" || fail "lintian"
+    lintian --fail-on error,warning --allow-root "$package" "$worker" "$web" "$python" || fail "lintian"
 fi

@@ -17,6 +17,13 @@ python_files() {
     below python/marchd "$1/lib/python3/dist-packages/marchd" | grep -v __pycache__
 }
 
+# web_files PREFIX UNIT-FOLDER: those of march-web, likewise.
+web_files() {
+    printf '%s\n' "$1/bin/march-web" "$1/lib/sysusers.d/marchd-web.conf" "$1/share/man/man5/march-web.conf.5" \
+        "$1/share/man/man8/march-web.8" "$1/share/marchd/schema.json" "$2/march-web.service" /etc/marchd/march-web.conf
+    below web/page "$1/share/marchd/page"
+}
+
 # installed_files PREFIX UNIT-FOLDER: prints the paths of all other installed files.
 installed_files() {
     {
@@ -56,7 +63,7 @@ END
         below deploy/prometheus "$1/share/marchd/prometheus"
         below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/textures/draw_[a-z]*$'
         for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
-            case "$page" in */march-worker.8) continue ;; esac
+            case "$page" in */march-worker.8 | */march-web.*) continue ;; esac
             [ ! -f "$page" ] || echo "$1/share/man/man${page##*.}/${page##*/}"
         done
     } | sort

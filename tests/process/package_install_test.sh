@@ -10,7 +10,10 @@ prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$built/CMakeCache.txt")
 root=$scratch/root
 
 DESTDIR=$root cmake --install "$built" >"$scratch/log" 2>&1 || fail "cmake --install: $(tail -n 5 "$scratch/log")"
-{ installed_files "$prefix" "$prefix/lib/systemd/system" && worker_files "$prefix" && python_files "$prefix"; } | sort >"$scratch/expected"
+{
+    installed_files "$prefix" "$prefix/lib/systemd/system" && worker_files "$prefix" && python_files "$prefix" &&
+        web_files "$prefix" "$prefix/lib/systemd/system"
+} | sort >"$scratch/expected"
 (cd "$root" && find . ! -type d | sed 's/^\.//' | sort) >"$scratch/found"
 diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "installed otherwise (< expected, > found): $(cat "$scratch/diff")"
 odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
@@ -22,6 +25,8 @@ for unit in system/marchd.service user/marchd.service; do
 done
 grep -qx "ExecStart=$prefix/bin/march-launch" "$root$prefix/lib/systemd/system/march-launch.service" ||
     fail "march-launch.service starts another march-launch"
+grep -qx "ExecStart=$prefix/bin/march-web --system" "$root$prefix/lib/systemd/system/march-web.service" ||
+    fail "march-web.service starts another march-web"
 # A further farm's unit is the first one's, but for what tells the daemon its places.
 units=$root$prefix/lib/systemd/system
 cmp -s "$units/marchd.socket" "$units/marchd@.socket" || fail "marchd@.socket is another"

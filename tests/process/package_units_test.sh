@@ -17,12 +17,13 @@ understands() { # WHOSE OPTION...
 # The system's units are checked in a root of their own, which has the program at its installed path.
 mkdir -p "$scratch/root/usr/lib/systemd/system" "$scratch/root/usr/bin"
 ln -s usr/bin usr/lib "$scratch/root"
-cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy"/marchd.service "$deploy"/marchd.socket "$deploy"/march-launch.* \
+cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy"/marchd.service "$deploy"/marchd.socket "$deploy"/march-launch.* "$deploy"/march-web.service \
     "$scratch/root/usr/lib/systemd/system"
 cp /bin/true "$scratch/root/usr/bin/march-launch"
+cp /bin/true "$scratch/root/usr/bin/march-web"
 cp /bin/true "$scratch/root/usr/bin/marchd"
 cp /bin/true "$scratch/root/usr/bin/march"
-understands system --root="$scratch/root" marchd.service marchd.socket march-launch.service march-launch.socket
+understands system --root="$scratch/root" marchd.service marchd.socket march-launch.service march-launch.socket march-web.service
 for kind in service socket; do
     cp "$deploy/marchd.$kind" "$scratch/root/usr/lib/systemd/system/marchd@.$kind"
 done
@@ -36,7 +37,7 @@ done
 understands user --user "$scratch"/user/*
 
 # Exposure is at most 2.0.
-for unit in marchd.service march-launch.service; do
+for unit in marchd.service march-launch.service march-web.service; do
     systemd-analyze security --offline=true --no-pager --threshold=20 "$deploy/$unit" >"$scratch/said" 2>&1 ||
         fail "$unit: exposure above 2.0: $(tail -n 1 "$scratch/said")"
     grep -q 'Overall exposure level' "$scratch/said" || fail "systemd-analyze tells no exposure: $(cat "$scratch/said")"
@@ -92,6 +93,21 @@ lacks march-launch.service ReadWritePaths
 has march-launch.service Before=marchd.service # frames that run on nodes may finish, too
 has march-launch.service 'PrivateUsers=yes' # one user, but neither gets at the other by /proc
 grep -q '^InaccessiblePaths=.* -/run/marchd$' "$deploy/march-launch.service" || fail "march-launch.service sees the daemon's socket"
+# The page is another user, who sees nothing of the queue, writes nothing but a cache, and makes pictures in fenced workers.
+[ "$(sed -n 's/^User=//p' "$deploy/march-web.service")" != "$(sed -n 's/^User=//p' "$deploy/marchd.service")" ] ||
+    fail "march-web.service is of marchd's user"
+[ "$(sed -n 's/^User=//p' "$deploy/march-web.service")" = "$(sed -n 's/^#web-user = //p' "$deploy/marchd.conf")" ] ||
+    fail "marchd.conf takes another web-user for the page's"
+lacks march-web.service StateDirectory
+lacks march-web.service ReadWritePaths
+lacks march-web.service RestrictSUIDSGID # openat2
+has march-web.service 'PrivateUsers=yes'
+has march-web.service 'ProtectSystem=strict'
+has march-web.service 'CacheDirectory=marchd-web'
+grep -q '^InaccessiblePaths=-/var/lib/marchd .*-/etc/marchd/ssh$' "$deploy/march-web.service" || fail "march-web.service sees the queue"
+for call in seccomp landlock_create_ruleset landlock_add_rule landlock_restrict_self; do
+    grep -E '^SystemCallFilter=[^~]' "$deploy/march-web.service" | grep -qw $call || fail "march-web.service: a worker may not call $call"
+done
 has marchd.socket 'ListenStream=/run/marchd/%N.sock'
 has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'
@@ -115,6 +131,8 @@ systemd-sysusers --root="$scratch/root" "$deploy/marchd.sysusers" >"$scratch/sai
 for group in marchd "$(sed -n 's/^#admin-group = //p' "$deploy/marchd.conf")"; do
     grep -q "^$group:" "$scratch/root/etc/group" || fail "sysusers make no group $group"
 done
+systemd-sysusers --root="$scratch/root" "$deploy/march-web.sysusers" >"$scratch/said" 2>&1 || fail "sysusers: $(cat "$scratch/said")"
+grep -q '^marchd:.*:marchd-web$' "$scratch/root/etc/group" || fail "marchd-web cannot open the daemon's socket"
 for group in video render; do
     grep -q "^$group:.*:marchd$" "$scratch/root/etc/group" || fail "marchd is not of group $group, whose the GPUs are"
 done

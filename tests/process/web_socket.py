@@ -31,7 +31,7 @@ def messages(token, document):
     assert page.opening.status == 101 and page.opening.headers["sec-websocket-protocol"] == "marchd", page.opening
     assert page.call(1, "job.list")["result"]["jobs"] == []
     # Answers are those of the daemon, letter by letter; what is wrong closes nothing.
-    for wrong, code in (("{", -32700), ("", -32700), ("[1]", -32600), (request(1, "no.such"), -32601),
+    for wrong, code in (("{", -32700), ("[1]", -32600), (request(1, "no.such"), -32601),
                         ('{"jsonrpc":"2.0","id":1,"method":"auth.token","params":{"token":"x"}}', 3)):
         page.send(wrong)
         answer = json.loads(page.receive())

@@ -102,10 +102,8 @@ static void on_sweep_closed(uv_handle_t *handle)
 
 void farm_calls_destroy(struct farm_calls *calls)
 {
-    while (calls->idle) {
-        struct line *line = calls->idle;
-
-        forget_idle(line);
+    for (struct line *line = calls->idle, *next; line; line = next) {
+        next = line->next;
         close_line(line);
     }
     uv_close((uv_handle_t *)&calls->sweep, on_sweep_closed);
