@@ -56,16 +56,18 @@ def free_port():
 
 
 class Farm:
-    """A daemon with stub workers, and march-web beside it."""
+    """A daemon with stub workers (`mode` None: with real ones that need no GPU), and march-web beside it."""
 
     def __init__(self, mode="audited:50", workers=2):
         self.folder = tempfile.TemporaryDirectory(prefix="page_test_")
         self.path = pathlib.Path(self.folder.name)
         self.socket = str(self.path / "sock")
         self.workers = workers
-        self.worker = self.path / "worker"
-        self.set_mode(mode)
-        self.worker.chmod(0o755)
+        self.worker = BIN / "march-worker"
+        if mode:
+            self.worker = self.path / "worker"
+            self.worker.write_text(f'#!/bin/sh\nexec "{BIN}/stub-worker" --mode {mode} "$@"\n', encoding="utf-8")
+            self.worker.chmod(0o755)
         self.log = open(self.path / "log", "ab")
         self.daemon = self.web = None
         self.start_daemon()
@@ -73,15 +75,11 @@ class Farm:
         self.url = f"http://127.0.0.1:{self.port}"
         self.start_web()
 
-    def set_mode(self, mode):
-        """Holds for workers that start from now on."""
-        self.worker.write_text(f'#!/bin/sh\nexec "{BIN}/stub-worker" --mode {mode} "$@"\n', encoding="utf-8")
-
     def start_daemon(self):
         self.daemon = subprocess.Popen(
             [BIN / "marchd", "--config", "/dev/null", "--state", self.path / "state", "--socket", self.socket,
              "--output-root", self.path / "out", "--input-root", "/", "--worker-program", self.worker,
-             "--workers", str(self.workers)], stderr=self.log)
+             "--workers", str(self.workers), "--backend", "software"], stderr=self.log)
         wait_until("the daemon answers", lambda: self.ask("daemon.status"))
 
     def stop_daemon(self):
@@ -89,10 +87,9 @@ class Farm:
         self.daemon.wait()
 
     def start_web(self):
-        data = BIN.parent
         self.web = subprocess.Popen(
             [BIN / "march-web", "--config", "/dev/null", "--socket", self.socket, "--listen", f"127.0.0.1:{self.port}",
-             "--page-dir", ROOT / "web/page"], stderr=self.log, cwd=data)
+             "--page-dir", ROOT / "web/page", "--cache-dir", self.path / "cache"], stderr=self.log)
         wait_until("march-web listens", lambda: socket.create_connection(("127.0.0.1", self.port)).close() or True)
 
     def close(self):

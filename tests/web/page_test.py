@@ -54,7 +54,7 @@ class PageTest(unittest.TestCase):
         self.farm.ask("job.resume", {"id": first})
         wait_until("the row follows", lambda: "✓ succeeded" in page.named(".row", "list_ash").text)
         self.assertIn("10/10", page.named(".row", "list_ash").text)
-        self.assertIn("0.75 %", page.named(".row", "list_ash").text)
+        self.assertIn("0.63 %", page.named(".row", "list_ash").text)
 
     def test_grid_tells_each_frame(self):
         job = self.farm.submit("grid", "0-99x3", paused=True)

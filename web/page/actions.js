@@ -20,9 +20,10 @@ export function ask(title, children, confirm, isDangerous = false) {
 }
 
 async function askRetry(job) {
-  const boxes = [["failed", job.failed], ["canceled", job.canceled], ["succeeded", job.succeeded], ["skipped", job.skipped]]
-    .map(([state, number]) => el("label", null,
-      el("input", { type: "checkbox", name: "state", value: state, checked: state === "failed" }), ` ${state} (${count(number)})`));
+  const chosen = job.failed ? "failed" : job.canceled ? "canceled" : "succeeded";
+  const boxes = ["failed", "canceled", "succeeded", "skipped"].map((state) => el("label", null,
+    el("input", { type: "checkbox", name: "state", value: state, checked: state === chosen }),
+    ` ${state} (${count(job[state])})`));
   const fields = await ask(`Retry frames of job ${job.id}, ${job.name}`, [
     el("fieldset", null, el("legend", null, "Frames that are"), boxes),
     el("label", null, "Only of this range (all: empty) ", el("input", { name: "range", placeholder: "1-100x2,140" })),
@@ -35,15 +36,17 @@ async function askRetry(job) {
 }
 
 async function askPriority(job) {
-  const input = el("input", { name: "priority", type: "number", min: "0", max: "200", required: true, value: `${job.priority}` });
-  const fields = await ask(`Priority of job ${job.id}, ${job.name}`, el("label", null, "0 to 100, of administrators to 200 ", input), "Set");
+  const value = `${job.priority}`, label = el("label", null, "0 to 100, of administrators to 200 ",
+    el("input", { name: "priority", type: "number", min: "0", max: "200", required: true, value }));
+  const fields = await ask(`Priority of job ${job.id}, ${job.name}`, label, "Set");
   return fields && { priority: Number(fields.get("priority")) };
 }
 
 async function askDelete(job) {
   const fields = await ask(`Delete job ${job.id}, ${job.name}?`, [
     el("p", null, "The farm forgets the job, its frames and their logs. This cannot be undone."),
-    el("label", null, el("input", { type: "checkbox", name: "files" }), ` also remove the files that it wrote (${count(job.succeeded)} frames)`),
+    el("label", null, el("input", { type: "checkbox", name: "files" }),
+      ` also remove the files that it wrote (${count(job.succeeded)} frames)`),
   ], "Delete", true);
   return fields && { files: fields.has("files") };
 }
@@ -51,16 +54,19 @@ async function askDelete(job) {
 async function askCancel(job) {
   const left = job.queued + job.running;
   return await ask(`Cancel job ${job.id}, ${job.name}?`,
-    el("p", null, `${count(left)} frames are not rendered; what runs is stopped and lost. They can be retried later.`), "Cancel the job", true) && {};
+    el("p", null, `${count(left)} frames are not rendered; what runs is stopped and lost. They can be retried later.`),
+      "Cancel the job", true) && {};
 }
 
 export const actions = [
-  { name: "pause", key: "p", label: "Pause", may: (job) => ["queued", "running"].includes(job.state), said: "is paused" },
+  { name: "pause", key: "p", label: "Pause", may: (job) => ["queued", "running"].includes(job.state),
+    said: "is paused" },
   { name: "resume", key: "p", label: "Resume", may: (job) => job.state === "paused", said: "goes on" },
   { name: "cancel", key: "c", label: "Cancel…", may: (job) => !isOver(job), ask: askCancel, said: "is canceled" },
   { name: "retry", key: "r", label: "Retry…", may: (job) => job.failed + job.canceled + job.succeeded + job.skipped > 0,
     ask: askRetry, said: (result) => `${count(result.retried)} frames are tried again` },
-  { name: "priority", key: "+", label: "Priority…", may: (job) => !isOver(job), ask: askPriority, said: "has another priority" },
+  { name: "priority", key: "+", label: "Priority…", may: (job) => !isOver(job), ask: askPriority,
+    said: "has another priority" },
   { name: "delete", key: "Delete", label: "Delete…", may: isOver, ask: askDelete,
     said: (result) => `deleted; ${count(result.files_removed)} files removed, ${count(result.files_kept)} kept` },
 ];
@@ -88,7 +94,8 @@ export function keyAction(farm, job, key) {
 // Buttons for what the job allows; `refresh(job)` shows them as the job is now.
 export function actionButtons(farm) {
   let job;
-  const buttons = actions.map((action) => el("button", { type: "button", class: action.name === "delete" || action.name === "cancel" ? "danger" : "",
+  const buttons = actions.map((action) => el("button", { type: "button", class: action.name === "delete"
+    || action.name === "cancel" ? "danger" : "",
     title: `Key: ${action.key}`, onclick: () => act(farm, action, job) }, action.label));
   const row = el("div", { class: "actions", role: "group", "aria-label": "What can be done with this job" }, buttons,
     mayChange(farm) ? null : el("p", { class: "hint" }, "This session may only read."));

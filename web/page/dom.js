@@ -16,9 +16,7 @@ export function el(name, attributes, ...children) {
 export const find = (selector, within = document) => within.querySelector(selector);
 
 // Says a sentence to screen readers.
-export function say(text) {
-  find("#said").textContent = text;
-}
+export const say = (text) => (find("#said").textContent = text);
 
 // Shows a sentence for some seconds; a mistake stays until it is closed.
 export function toast(text, isWrong = false) {
@@ -48,9 +46,7 @@ export function stateMark(state) {
 export const isOver = (job) => ["succeeded", "failed", "canceled"].includes(job.state);
 export const doneOf = (job) => job.succeeded + job.skipped;
 
-export function count(number) {
-  return Math.round(number).toLocaleString("en");
-}
+export const count = (number) => Math.round(number).toLocaleString("en");
 
 export function duration(seconds) {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return "–";
@@ -70,7 +66,8 @@ export function percent(share, digits = 2) {
 export function rate(framesPerSecond) {
   if (!framesPerSecond) return "–";
   if (framesPerSecond >= 0.1) return `${framesPerSecond.toPrecision(2)}/s`;
-  return framesPerSecond * 60 >= 0.1 ? `${(framesPerSecond * 60).toPrecision(2)}/min` : `${(framesPerSecond * 3600).toPrecision(2)}/h`;
+  return framesPerSecond * 60 >= 0.1 ? `${(framesPerSecond * 60).toPrecision(2)}/min`
+    : `${(framesPerSecond * 3600).toPrecision(2)}/h`;
 }
 
 export function size(bytes) {
@@ -91,17 +88,13 @@ export function time(unixSeconds) {
 export class View {
   stop = new AbortController();
 
-  on(target, type, listener) {
-    target.addEventListener(type, listener, { signal: this.stop.signal });
-  }
+  on(target, type, listener) { target.addEventListener(type, listener, { signal: this.stop.signal }); }
 
-  get isHidden() {
-    return this.stop.signal.aborted;
-  }
+  show() {} // what follows the farm begins here
 
-  hide() {
-    this.stop.abort();
-  }
+  get isHidden() { return this.stop.signal.aborted; }
+
+  hide() { this.stop.abort(); }
 
   watchSize(element, draw) {
     const observer = new ResizeObserver(draw);

@@ -161,7 +161,8 @@ export class Farm extends EventTarget {
     const touched = [...this.touched.keys()];
     this.touched = null;
     for (let i = 0; i < touched.length; i += PAGE)
-      for (const job of (await this.call("job.list", { ids: touched.slice(i, i + PAGE) })).jobs) this.jobs.set(job.id, job);
+      for (const job of (await this.call("job.list", { ids: touched.slice(i, i + PAGE) })).jobs)
+        this.jobs.set(job.id, job);
     this.note("jobs");
   }
 

@@ -1,6 +1,6 @@
 // Plays the frames that are done, while others arrive.
 import { View, el, count } from "./dom.js";
-import { pictureUrl, faultOf } from "./frame.js";
+import { pictureUrl, getPicture } from "./frame.js";
 
 const SIZE_PX = 960, AHEAD = 12, KEPT = 120, AT_ONCE = 3, FPS = 24;
 
@@ -9,14 +9,19 @@ export class Flipbook extends View {
     super();
     Object.assign(this, { view, map: view.map, at: 0, pictures: new Map(), waiting: new Set(), exposure: null });
     this.canvas = el("canvas", { class: "flip", role: "img", "aria-label": "The frame that is shown" });
-    this.button = el("button", { type: "button", class: "main", title: "Key: Space", onclick: () => this.play(!this.isPlaying) });
-    this.slider = el("input", { type: "range", min: "0", value: "0", "aria-label": "Frame", oninput: () => this.goto(Number(this.slider.value)) });
-    this.fps = el("input", { type: "number", min: "1", max: "60", value: `${view.shown?.document?.fps ?? FPS}`, "aria-label": "Frames a second" });
-    this.stops = el("input", { type: "number", step: "0.5", min: "-10", max: "10", "aria-label": "Exposure in stops", onchange: () => this.expose() });
+    this.button = el("button", { type: "button", class: "main", title: "Key: Space",
+      onclick: () => this.play(!this.isPlaying) });
+    this.slider = el("input", { type: "range", min: "0", value: "0", "aria-label": "Frame",
+      oninput: () => this.goto(Number(this.slider.value)) });
+    this.fps = el("input", { type: "number", min: "1", max: "60", value: `${view.shown?.document?.fps ?? FPS}`,
+      "aria-label": "Frames a second" });
+    this.stops = el("input", { type: "number", step: "0.1", min: "-16", max: "16",
+      "aria-label": "Exposure in stops", onchange: () => this.expose() });
     this.told = el("p", { class: "tell" });
     this.root = el("div", { class: "flipbook" }, this.told, el("div", { class: "tools" }, this.button, this.slider,
       el("label", null, this.fps, " fps"), el("label", null, "exposure ", this.stops),
-      el("button", { type: "button", onclick: () => this.done.length && view.openFrame(this.frame) }, "Open this frame")), this.canvas);
+      el("button", { type: "button", onclick: () => this.done.length && view.openFrame(this.frame) },
+        "Open this frame")), this.canvas);
   }
 
   show() {
@@ -31,11 +36,9 @@ export class Flipbook extends View {
     this.drop();
   }
 
-  get frame() {
-    return this.done[this.at];
-  }
+  get frame() { return this.done[this.at]; }
 
-  // One exposure for all frames, so that nothing flickers: what the first one takes by itself, or one that is set.
+  // One exposure for all frames, so that nothing flickers: that of the first, or one set by hand.
   expose() {
     this.exposure = this.stops.value === "" ? null : Number(this.stops.value);
     this.drop();
@@ -43,7 +46,7 @@ export class Flipbook extends View {
   }
 
   drop() {
-    for (const picture of this.pictures.values()) picture?.close();
+    for (const picture of this.pictures.values()) picture.close();
     this.pictures.clear();
   }
 
@@ -79,7 +82,8 @@ export class Flipbook extends View {
     this.slider.value = `${this.at}`;
     if (!this.done.length) return void (this.told.textContent = "No frame is done yet.");
     const picture = this.pictures.get(this.frame);
-    this.told.textContent = `Frame ${this.frame}, ${count(this.at + 1)} of ${count(this.done.length)} that are done${picture ? "" : ", loading"}`;
+    const place = `${count(this.at + 1)} of ${count(this.done.length)} that are done`;
+    this.told.textContent = `Frame ${this.frame}, ${place}${picture ? "" : ", loading"}`;
     this.slider.setAttribute("aria-valuetext", `frame ${this.frame}`);
     if (picture) {
       if (this.canvas.width !== picture.width) this.canvas.width = picture.width;
@@ -90,37 +94,35 @@ export class Flipbook extends View {
   }
 
   load() {
-    for (let i = 0; i < Math.min(AHEAD, this.done.length) && this.waiting.size < (this.exposure === null ? 1 : AT_ONCE); i++) {
+    const most = this.exposure === null ? 1 : AT_ONCE;
+    for (let i = 0; i < Math.min(AHEAD, this.done.length) && this.waiting.size < most; i++) {
       const frame = this.done[(this.at + i) % this.done.length];
       if (!this.pictures.has(frame) && !this.waiting.has(frame)) this.fetch(frame);
     }
     for (const [frame, picture] of this.pictures) {
       if (this.pictures.size <= KEPT) break;
       this.pictures.delete(frame);
-      picture?.close();
+      picture.close();
     }
   }
 
   async fetch(frame) {
-    let { exposure } = this;
-    const url = pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX });
+    const { exposure } = this;
     this.waiting.add(frame);
     try {
-      const answer = await fetch(url);
-      if (!answer.ok) throw new Error(await faultOf(answer));
-      if (exposure === null && this.exposure === null) {
-        exposure = this.exposure = JSON.parse(answer.headers.get("marchd-picture")).exposure;
-        this.stops.value = exposure.toFixed(2);
-      }
+      const answer = await getPicture(pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX }));
       const picture = await createImageBitmap(await answer.blob());
       if (this.isHidden || exposure !== this.exposure) picture.close();
       else this.pictures.set(frame, picture);
+      this.exposure ??= JSON.parse(answer.headers.get("Marchd-Picture")).exposure;
+      this.stops.value = this.exposure.toFixed(1);
     } catch (error) {
       this.told.textContent = `Frame ${frame}: ${error.message}`;
       this.play(false);
-      return this.waiting.delete(frame);
+      return;
+    } finally {
+      this.waiting.delete(frame);
     }
-    this.waiting.delete(frame);
     if (this.isHidden) return;
     if (frame === this.frame) this.draw();
     else this.load();

@@ -59,9 +59,7 @@ export class FrameMap extends EventTarget {
     for (const name of ["seconds", "errors", "bounds"]) this[name] = new Float32Array(numbers.length).fill(NaN);
   }
 
-  stateOf(index) {
-    return codes[this.states[index]];
-  }
+  stateOf(index) { return codes[this.states[index]]; }
 
   hear(event) {
     const index = this.indexOf?.get(event.frame);
@@ -109,13 +107,12 @@ export class FrameMap extends EventTarget {
     });
   }
 
-  isDone(index) {
-    return this.states[index] >= codeOf.succeeded && this.states[index] <= codeOf.missed;
-  }
+  isDone(index) { return this.states[index] >= codeOf.succeeded && this.states[index] <= codeOf.missed; }
 
-  countOf(state) {
-    const code = codeOf[state];
-    return this.states.reduce((sum, one) => sum + (one === code), 0);
+  counts() {
+    const sums = new Array(codes.length).fill(0);
+    for (let i = 0; i < this.states.length; i++) sums[this.states[i]]++;
+    return Object.fromEntries(codes.map((state, code) => [state, sums[code]]));
   }
 
   framesOf(state) {

@@ -2,7 +2,8 @@
 import { View, el, states, count, duration, percent } from "./dom.js";
 import { codes } from "./framemap.js";
 
-const LEAST_PX = 3, MOST_PX = 26, SIGN_PX = 13, DRAW_MS = 100;
+const LEAST_PX = 3, MOST_PX = 26, SIGN_PX = 13, DRAW_MS = 100,
+  REST = 8; // a drawing takes an eighth of the time at most
 // Dark to light for little to much (viridis), so that it reads without hues.
 const ramp = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
@@ -30,8 +31,10 @@ export class FrameGrid extends View {
     this.by = "state";
     this.at = FrameGrid.kept.get(map.id) ?? 0;
     this.only = null;
-    this.canvas = el("canvas", { tabindex: "0", role: "application", "aria-label": "Frames: arrows move, Enter opens, n and N go to failed ones",
-      "aria-describedby": "tell", onkeydown: (event) => this.onKey(event), onpointermove: (event) => this.onPoint(event),
+    this.canvas = el("canvas", { tabindex: "0", role: "application",
+      "aria-label": "Frames: arrows move, Enter opens, n and N go to failed ones",
+      "aria-describedby": "tell", onkeydown: (event) => this.onKey(event),
+        onpointermove: (event) => this.onPoint(event),
       onclick: (event) => this.onPoint(event) && this.open(this.map.numbers[this.at]), onfocus: () => this.tell() });
     this.cursor = el("div", { class: "cursor", "aria-hidden": "true" });
     this.probe = el("span", { hidden: true });
@@ -42,7 +45,8 @@ export class FrameGrid extends View {
   }
 
   makeChoice() {
-    return el("fieldset", { class: "choice" }, el("legend", null, "Colour by"), ["state", "error", "time"].map((by) => el("label", null,
+    return el("fieldset", { class: "choice" }, el("legend", null, "Colour by"),
+      ["state", "error", "time"].map((by) => el("label", null,
       el("input", { type: "radio", name: "by", value: by, checked: by === this.by, onchange: () => {
         this.by = by;
         this.draw();
@@ -59,12 +63,13 @@ export class FrameGrid extends View {
     this.timer ??= setTimeout(() => {
       this.timer = null;
       this.draw();
-    }, Math.max(0, (this.drawn ?? 0) + DRAW_MS - performance.now()));
+    }, Math.max(0, (this.drawn ?? 0) + Math.max(DRAW_MS, REST * this.took) - performance.now()));
   }
 
   // The largest cells with which all frames fit.
   measure() {
-    const width = this.box.clientWidth - 6, most = Math.max(240, innerHeight * 0.5), total = Math.max(1, this.map.numbers.length);
+    const width = this.box.clientWidth - 6, most = Math.max(240, innerHeight * 0.5),
+      total = Math.max(1, this.map.numbers.length);
     let cell = MOST_PX;
     while (cell > LEAST_PX && Math.ceil(total / Math.max(1, Math.floor(width / cell))) * cell > most) cell--;
     this.cell = cell;
@@ -78,23 +83,29 @@ export class FrameGrid extends View {
     performance.mark("grid-begin");
     this.drawn = performance.now();
     this.measure();
-    const { canvas, columns, rows } = this, px = Math.max(1, Math.round(this.cell * this.scale)), gap = px >= 8 ? 2 : px >= 4 ? 1 : 0;
+    const { canvas, columns, rows } = this, px = Math.max(1, Math.round(this.cell * this.scale)),
+      gap = px >= 8 ? 2 : px >= 4 ? 1 : 0;
     canvas.width = columns * px;
     canvas.height = rows * px;
     canvas.style.width = `${columns * this.cell}px`;
     canvas.style.height = `${rows * this.cell}px`;
     const context = canvas.getContext("2d"), image = context.createImageData(canvas.width, canvas.height);
     const pixels = new Uint32Array(image.data.buffer), colourOf = this.colours();
-    for (let index = 0; index < this.map.numbers.length; index++) {
-      const colour = colourOf(index), left = (index % columns) * px, top = Math.floor(index / columns) * px;
-      for (let y = top; y < top + px - gap; y++) pixels.fill(colour, y * canvas.width + left, y * canvas.width + left + px - gap);
+    const total = this.map.numbers.length, { width } = canvas;
+    for (let row = 0; row < rows; row++) { // one line of pixels, then copies of it
+      const top = row * px * width, end = Math.min(columns, total - row * columns);
+      for (let column = 0, at = top; column < end; column++, at += px) {
+        const colour = colourOf(row * columns + column);
+        for (let x = 0; x < px - gap; x++) pixels[at + x] = colour;
+      }
+      for (let y = 1; y < px - gap; y++) pixels.copyWithin(top + y * width, top, top + width);
     }
     context.putImageData(image, 0, 0);
     if (this.cell >= SIGN_PX && this.by === "state") this.drawSigns(context, px, gap);
     this.drawLegend();
     this.moveCursor();
     if (this.told.textContent) this.tell();
-    performance.measure("grid", "grid-begin");
+    this.took = performance.measure("grid", "grid-begin").duration;
   }
 
   drawSigns(context, px, gap) {
@@ -104,14 +115,16 @@ export class FrameGrid extends View {
     context.fillStyle = getComputedStyle(this.box).getPropertyValue("--cell-sign");
     for (let index = 0; index < this.map.numbers.length; index++) {
       const { sign } = states[this.map.stateOf(index)];
-      context.fillText(sign, (index % this.columns) * px + (px - gap) / 2, Math.floor(index / this.columns) * px + (px - gap) / 2);
+      context.fillText(sign, (index % this.columns) * px + (px - gap) / 2,
+        Math.floor(index / this.columns) * px + (px - gap) / 2);
     }
   }
 
   colours() {
     const { map } = this, plain = pack(styleColour(this.probe, "--cell-none"));
     if (this.by === "state") {
-      const packed = codes.map((state) => (this.only && this.only !== state ? plain : pack(styleColour(this.probe, `--${state}`))));
+      const packed = codes.map((state) => (this.only && this.only !== state ? plain
+        : pack(styleColour(this.probe, `--${state}`))));
       return (index) => packed[map.states[index]];
     }
     const values = this.by === "error" ? map.errors : map.seconds;
@@ -120,7 +133,8 @@ export class FrameGrid extends View {
     this.low = known.reduce((least, value) => Math.min(least, value), Infinity);
     this.high = tolerance ?? known.reduce((most, value) => Math.max(most, value), 0);
     if (tolerance) this.low = 0;
-    const over = pack(styleColour(this.probe, "--failed")), table = Array.from({ length: 64 }, (_, i) => pack(rampColour(i / 63)));
+    const over = pack(styleColour(this.probe, "--failed")), table = Array.from({ length: 64 },
+      (_, i) => pack(rampColour(i / 63)));
     return (index) => {
       const value = values[index];
       if (Number.isNaN(value)) return plain;
@@ -130,17 +144,19 @@ export class FrameGrid extends View {
   }
 
   drawLegend() {
-    const { map } = this;
-    const key = this.by === "state" ? codes.map((state) => map.countOf(state)).join() + this.only : `${this.by} ${this.low} ${this.high}`;
+    const counts = this.map.counts(), key = this.by === "state" ? Object.values(counts).join() + this.only
+      : `${this.by} ${this.low} ${this.high}`;
     if (this.legend.dataset.key === key) return;
     this.legend.dataset.key = key;
     if (this.by === "state") {
       const focused = document.activeElement?.dataset?.only;
-      this.legend.replaceChildren(...codes.filter((state) => map.countOf(state)).map((state) => el("button", { type: "button",
+      this.legend.replaceChildren(...codes.filter((state) => counts[state]).map((state) =>
+        el("button", { type: "button",
         "aria-pressed": String(this.only === state), "data-only": state, title: "Only these", onclick: () => {
           this.only = this.only === state ? null : state;
           this.draw();
-        } }, el("span", { class: `swatch ${state}` }, states[state].sign), ` ${states[state].word} ${count(map.countOf(state))}`)));
+        } }, el("span", { class: `swatch ${state}` }, states[state].sign),
+          ` ${states[state].word} ${count(counts[state])}`)));
       if (focused) this.legend.querySelector(`[data-only=${focused}]`)?.focus();
       return;
     }
@@ -151,25 +167,26 @@ export class FrameGrid extends View {
     }
     const write = this.by === "error" ? percent : duration, isKnown = Number.isFinite(this.low);
     this.legend.replaceChildren(...(isKnown ? [write(this.low), strip, write(this.high)] : ["no frame has one yet"]));
-    if (isKnown && this.by === "error" && this.job()?.tolerance) this.legend.append(el("span", { class: "swatch failed" }, "!"), "over the tolerance");
+    if (isKnown && this.by === "error" && this.job()?.tolerance) this.legend.append(el("span",
+      { class: "swatch failed" }, "!"), "over the tolerance");
   }
 
   moveCursor() {
     this.cursor.hidden = !this.map.numbers.length;
     this.cursor.style.width = this.cursor.style.height = `${Math.max(6, this.cell)}px`;
-    this.cursor.style.transform = `translate(${(this.at % this.columns) * this.cell}px, ${Math.floor(this.at / this.columns) * this.cell}px)`;
+    const left = (this.at % this.columns) * this.cell, top = Math.floor(this.at / this.columns) * this.cell;
+    this.cursor.style.transform = `translate(${left}px, ${top}px)`;
   }
 
-  tell() {
-    this.told.textContent = this.describe(this.at);
-  }
+  tell() { this.told.textContent = this.describe(this.at); }
 
   describe(index) {
     const { map } = this, frame = map.numbers[index], running = map.running.get(frame);
     if (frame === undefined || !map.states) return "";
     const parts = [`Frame ${frame}: ${states[map.stateOf(index)].word}`];
     if (map.stateOf(index) === "running" && running?.phase)
-      parts.push(`${running.phase}${running.phase_progress === null ? "" : ` ${Math.round(running.phase_progress * 100)} %`}`);
+      parts.push(`${running.phase}${running.phase_progress === null ? ""
+        : ` ${Math.round(running.phase_progress * 100)} %`}`);
     if (!Number.isNaN(map.seconds[index])) parts.push(duration(map.seconds[index]));
     if (!Number.isNaN(map.errors[index])) parts.push(`error ${percent(map.errors[index])}`);
     if (!Number.isNaN(map.bounds[index])) parts.push(`below ${percent(map.bounds[index])} with 95 %`);
@@ -200,7 +217,8 @@ export class FrameGrid extends View {
   }
 
   onKey(event) {
-    const moves = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: this.columns, ArrowUp: -this.columns, PageDown: this.columns * 10, PageUp: -this.columns * 10, Home: -Infinity, End: Infinity };
+    const moves = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: this.columns, ArrowUp: -this.columns,
+      PageDown: this.columns * 10, PageUp: -this.columns * 10, Home: -Infinity, End: Infinity };
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key in moves) this.move(this.at + moves[event.key]);
     else if (event.key === "n") this.findFailed(1);

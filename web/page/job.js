@@ -1,12 +1,13 @@
 // One job: what it is, what can be done with it, and its frames, flipbook, plots, plan and document.
-import { View, el, facts, stateMark, doneOf, isOver, count, duration, rate, time } from "./dom.js";
+import { View, el, facts, stateMark, doneOf, isOver, count, duration, percent, rate, time } from "./dom.js";
 import { actionButtons, keyAction } from "./actions.js";
 import { paceOf, phaseText, errorText, progressBar } from "./jobs.js";
 import { FrameMap } from "./framemap.js";
 import { FrameGrid } from "./grid.js";
 import { formatRange } from "./ranges.js";
 
-const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"], ["document", "Document", "d"]];
+const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"],
+  ["document", "Document", "d"]];
 
 export class JobView extends View {
   constructor(farm, id, tab) {
@@ -15,19 +16,17 @@ export class JobView extends View {
     this.map = new FrameMap(farm, id);
     this.head = el("div", { class: "head" });
     this.buttons = actionButtons(farm);
-    this.tabs = el("div", { class: "tabs", role: "tablist", "aria-label": "About this job", onkeydown: (event) => this.onTabKey(event) },
-      tabs.map(([name, title, key]) => el("a", { role: "tab", id: `tab-${name}`, href: this.hash(name), title: `Key: ${key}`, "aria-controls": "panel" }, title)));
+    this.tabs = el("div", { class: "tabs", role: "tablist", "aria-label": "About this job",
+      onkeydown: (event) => this.onTabKey(event) },
+      tabs.map(([name, title, key]) => el("a", { role: "tab", id: `tab-${name}`, href: this.hash(name),
+        title: `Key: ${key}`, "aria-controls": "panel" }, title)));
     this.panel = el("div", { id: "panel", role: "tabpanel" });
     this.root = el("section", { class: "job", "aria-label": "Job" }, this.head, this.buttons, this.tabs, this.panel);
   }
 
-  hash(tab) {
-    return `#/jobs/${this.id}${tab === "frames" ? "" : `/${tab}`}`;
-  }
+  hash(tab) { return `#/jobs/${this.id}${tab === "frames" ? "" : `/${tab}`}`; }
 
-  get job() {
-    return this.farm.jobs.get(this.id) ?? this.shown;
-  }
+  get job() { return this.farm.jobs.get(this.id) ?? this.shown; }
 
   async show() {
     this.on(this.farm, "change", ({ detail }) => detail.has(this.id) && this.drawHead());
@@ -60,9 +59,7 @@ export class JobView extends View {
     (this.content?.canvas ?? this.tabs.querySelector("[aria-selected=true]"))?.focus({ preventScroll: true });
   }
 
-  openFrame(frame) {
-    location.hash = `#/jobs/${this.id}/frames/${frame}`;
-  }
+  openFrame(frame) { location.hash = `#/jobs/${this.id}/frames/${frame}`; }
 
   // Another tab of the same job keeps the view.
   follow(hash) {
@@ -104,13 +101,16 @@ export class JobView extends View {
       el("h1", null, el("span", { class: "number" }, `${job.id} `), job.name, " ", stateMark(job.state)),
       job.reason ? el("p", { class: "why" }, job.reason) : "",
       job.comment ? el("p", { class: "hint" }, job.comment) : "",
-      el("div", { class: "bar" }, progressBar(job), el("span", null, `${count(doneOf(job))} of ${count(job.frames)} frames`)),
+      el("div", { class: "bar" }, progressBar(job),
+        el("span", null, `${count(doneOf(job))} of ${count(job.frames)} frames`)),
       facts([
         ["Frames", counts.map((state) => `${count(job[state])} ${state}`).join(", ")],
-        ["Range", job.range], ["Phase", phaseText(job)], ["Speed", job.seconds_per_frame && `${paceOf(job) ? `${rate(paceOf(job))}, ` : ""}${duration(job.seconds_per_frame)} a frame`],
-        ["ETA", isOver(job) ? null : duration(job.eta_s)], ["Error", errorText(job)], ["Method", job.method],
-        ["Owner", job.owner], ["Priority", `${job.priority}`], ["Pool", job.pool], ["Tags", job.tags?.join(", ")],
-        ["Submitted", time(job.submitted)], ["Started", time(job.started)], ["Finished", job.finished ? time(job.finished) : null],
+        ["Range", job.range], ["Phase", phaseText(job)], ["Speed", job.seconds_per_frame
+          && `${paceOf(job) ? `${rate(paceOf(job))}, ` : ""}${duration(job.seconds_per_frame)} a frame`],
+        ["ETA", isOver(job) ? null : duration(job.eta_s)], ["Latest error", errorText(job)],
+        ["Below, with 95 %", percent(job.error95)], ["Method", job.method], ["Owner", job.owner],
+        ["Priority", `${job.priority}`], ["Pool", job.pool], ["Tags", job.tags?.join(", ")],
+        ["Submitted", time(job.submitted)], ["Started", time(job.started)], ["Finished", time(job.finished)],
         ["Output", el("code", null, job.output), "long"],
       ]), this.failures());
     this.buttons.refresh(job);
@@ -118,7 +118,8 @@ export class JobView extends View {
 
   drawDeleted() {
     this.map.close();
-    this.root.replaceChildren(el("h1", null, `Job ${this.id}`), el("p", { class: "why" }, "The job is deleted."), el("a", { href: "#/jobs" }, "All jobs"));
+    this.root.replaceChildren(el("h1", null, `Job ${this.id}`), el("p", { class: "why" }, "The job is deleted."),
+      el("a", { href: "#/jobs" }, "All jobs"));
   }
 
   failures() {
@@ -144,7 +145,5 @@ export class JobView extends View {
     return Boolean(tab) || keyAction(this.farm, this.job, event.key);
   }
 
-  onTheme() {
-    this.content?.draw?.();
-  }
+  onTheme() { this.content?.draw?.(); }
 }

@@ -15,8 +15,8 @@ export function phaseText(job) {
 
 export function errorText(job) {
   const parts = [];
-  if (job.error95 !== null && job.error95 !== undefined) parts.push(percent(job.error95));
-  if (job.tolerance) parts.push(`≤ ${percent(job.tolerance)}`);
+  if (job.measured_error !== null) parts.push(percent(job.measured_error));
+  if (job.tolerance) parts.push(`of ${percent(job.tolerance)}`);
   if (job.missed) parts.push(`! ${count(job.missed)} over`);
   return parts.join(" ") || (job.draft ? "draft" : "–");
 }
@@ -27,9 +27,7 @@ export function progressBar(job) {
   return bar;
 }
 
-function setProgress(bar, job) {
-  bar.value = job.frames ? doneOf(job) / job.frames : 0;
-}
+const setProgress = (bar, job) => (bar.value = job.frames ? doneOf(job) / job.frames : 0);
 
 const columns = [
   { key: "id", title: "Job", sort: (job) => job.id, text: (job) => `${job.id}` },
@@ -40,8 +38,9 @@ const columns = [
   { key: "phase", title: "Phase", sort: (job) => job.phase ?? "", text: phaseText },
   { key: "progress", title: "Progress", sort: (job) => doneOf(job) / job.frames, isProgress: true },
   { key: "rate", title: "Frames", sort: paceOf, text: (job) => rate(paceOf(job)) },
-  { key: "eta", title: "ETA", sort: (job) => job.eta_s ?? Infinity, text: (job) => isOver(job) ? "" : duration(job.eta_s) },
-  { key: "error", title: "Error", sort: (job) => job.error95 ?? -1, text: errorText },
+  { key: "eta", title: "ETA", sort: (job) => job.eta_s ?? Infinity, text: (job) => isOver(job) ? ""
+    : duration(job.eta_s) },
+  { key: "error", title: "Error", sort: (job) => job.measured_error ?? -1, text: errorText },
   { key: "method", title: "Method", sort: (job) => job.method ?? "", text: (job) => job.method ?? "–" },
   { key: "priority", title: "Prio", sort: (job) => job.priority, text: (job) => `${job.priority}` },
   { key: "submitted", title: "Submitted", sort: (job) => job.submitted, text: (job) => time(job.submitted) },
@@ -59,9 +58,7 @@ function makeRow(index) {
   return row;
 }
 
-function setText(node, text) {
-  if (node.textContent !== text) node.textContent = text;
-}
+const setText = (node, text) => node.textContent !== text && (node.textContent = text);
 
 function fillRow(row, job) {
   row.job = job;
@@ -72,7 +69,8 @@ function fillRow(row, job) {
       cell.dataset.state = job.state;
     } else if (column.isProgress) {
       setProgress(cell.firstChild, job);
-      setText(cell.lastChild, `${count(doneOf(job))}/${count(job.frames)}${job.failed ? ` ✗${count(job.failed)}` : ""}`);
+      setText(cell.lastChild, `${count(doneOf(job))}/${count(job.frames)}${job.failed ? ` ✗${count(job.failed)}`
+        : ""}`);
     } else if (column.isLink) {
       setText(cell.firstChild, column.text(job));
       cell.firstChild.href = `#/jobs/${job.id}`;
@@ -89,7 +87,8 @@ function matcher(farm) {
     if (chosen.state === "live" ? isOver(job) : chosen.state && job.state !== chosen.state) return false;
     if (chosen.mine && job.owner !== farm.session?.user) return false;
     if (!words.length) return true;
-    const text = `${job.id} ${job.name} ${job.owner} ${job.state} ${job.tags?.join(" ")} ${job.comment ?? ""} ${job.reason ?? ""}`
+    const text = `${job.id} ${job.name} ${job.owner} ${job.state} ${job.tags?.join(" ")} ${job.comment
+      ?? ""} ${job.reason ?? ""}`
       .toLowerCase();
     return words.every((word) => text.includes(word));
   };
@@ -128,8 +127,10 @@ export class JobsView extends View {
     const state = el("select", { "aria-label": "State", onchange: () => this.choose({ state: state.value }) },
       options.map(([value, text]) => el("option", { value, selected: chosen.state === value }, text)));
     const sort = el("select", { class: "narrow", "aria-label": "Sort by", onchange: () => this.sortBy(sort.value) },
-      columns.map(({ key, title }) => el("option", { value: key, selected: chosen.sort === key }, `by ${title.toLowerCase()}`)));
-    const mine = el("input", { type: "checkbox", checked: chosen.mine, onchange: () => this.choose({ mine: mine.checked }) });
+      columns.map(({ key, title }) => el("option", { value: key, selected: chosen.sort === key },
+        `by ${title.toLowerCase()}`)));
+    const mine = el("input", { type: "checkbox", checked: chosen.mine, onchange: () =>
+      this.choose({ mine: mine.checked }) });
     return el("div", { class: "tools" }, this.search, state, sort, el("label", null, mine, " mine"),
       this.sum = el("p", { class: "sum", role: "status" }));
   }
@@ -170,9 +171,7 @@ export class JobsView extends View {
     super.hide();
   }
 
-  focus() {
-    this.scroller.focus();
-  }
+  focus() { this.scroller.focus(); }
 
   measure() {
     this.rowHeight = parseFloat(getComputedStyle(this.root).getPropertyValue("--row")) || 32;
@@ -198,7 +197,8 @@ export class JobsView extends View {
     this.list = [...farm.jobs.values()].filter(matcher(farm)).sort(sorter());
     const running = this.list.reduce((sum, job) => sum + paceOf(job), 0);
     const loading = farm.isLoaded ? "" : `, ${count(farm.jobs.size)} loaded`;
-    setText(this.sum, `${count(this.list.length)} of ${count(Math.max(farm.total, farm.jobs.size))} jobs${loading}, ${rate(running)}`);
+    setText(this.sum, `${count(this.list.length)} of ${count(Math.max(farm.total,
+      farm.jobs.size))} jobs${loading}, ${rate(running)}`);
     this.empty.hidden = this.list.length > 0;
     setText(this.empty, !farm.isLoaded ? "The farm is asked." : farm.jobs.size ? "No job matches." :
       "There are no jobs yet: submit one with the page's Submit, or with march submit.");
@@ -210,7 +210,8 @@ export class JobsView extends View {
     const { pool, rowHeight } = this;
     if (!rowHeight) return;
     const first = Math.max(0, Math.floor(this.scroller.scrollTop / rowHeight) - SPARE_ROWS);
-    const last = Math.min(this.list.length, Math.ceil((this.scroller.scrollTop + this.scroller.clientHeight) / rowHeight) + SPARE_ROWS);
+    const last = Math.min(this.list.length, Math.ceil((this.scroller.scrollTop
+      + this.scroller.clientHeight) / rowHeight) + SPARE_ROWS);
     this.space.style.height = `${this.list.length * rowHeight}px`;
     for (const [index, row] of pool)
       if (index < first || index >= last) {
@@ -219,6 +220,7 @@ export class JobsView extends View {
       }
     for (let index = first; index < last; index++) this.drawRow(index);
     for (const row of this.free.splice(0)) row.remove();
+    if (last && !performance.getEntriesByName("jobs shown").length) performance.mark("jobs shown");
     const active = [...pool.values()].find((row) => row.job.id === chosen.active);
     if (active) this.scroller.setAttribute("aria-activedescendant", active.id);
     else this.scroller.removeAttribute("aria-activedescendant");
@@ -240,10 +242,6 @@ export class JobsView extends View {
     row.setAttribute("aria-selected", String(job.id === chosen.active));
   }
 
-  activeJob() {
-    return this.farm.jobs.get(chosen.active);
-  }
-
   onClick(event) {
     const row = event.target.closest(".row");
     if (!row) return;
@@ -254,14 +252,15 @@ export class JobsView extends View {
   onKey(event) {
     const at = this.list.findIndex((job) => job.id === chosen.active);
     const page = Math.max(1, Math.floor(this.scroller.clientHeight / this.rowHeight) - 1);
-    const moves = { ArrowDown: 1, j: 1, ArrowUp: -1, k: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity };
+    const moves = { ArrowDown: 1, j: 1, ArrowUp: -1, k: -1, PageDown: page, PageUp: -page, Home: -Infinity,
+      End: Infinity };
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key in moves && this.list.length) {
-      const to = at < 0 ? 0 : Math.min(this.list.length - 1, Math.max(0, at + moves[event.key]));
+      const to = Math.min(this.list.length - 1, Math.max(0, at + moves[event.key]));
       chosen.active = this.list[to].id;
       this.bringToSight(to);
     } else if (event.key === "Enter" && at >= 0) location.hash = `#/jobs/${chosen.active}`;
-    else if (!keyAction(this.farm, this.activeJob(), event.key)) return;
+    else if (!keyAction(this.farm, this.farm.jobs.get(chosen.active), event.key)) return;
     event.preventDefault();
     event.stopPropagation();
   }
@@ -269,7 +268,8 @@ export class JobsView extends View {
   bringToSight(index) {
     const top = index * this.rowHeight, { scroller } = this;
     if (top < scroller.scrollTop) scroller.scrollTop = top;
-    if (top + this.rowHeight > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top + this.rowHeight - scroller.clientHeight;
+    if (top + this.rowHeight > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top
+      + this.rowHeight - scroller.clientHeight;
     this.draw();
   }
 }

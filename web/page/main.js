@@ -1,7 +1,7 @@
 // The page: which view is shown, the keys that work everywhere, the connection's state, light and dark.
 import { Farm } from "./farm.js";
 import { JobsView } from "./jobs.js";
-import { el, find, say, stateMark, count } from "./dom.js";
+import { el, find, say } from "./dom.js";
 
 const farm = new Farm();
 let view, shownHash;
@@ -9,8 +9,10 @@ let view, shownHash;
 // A view that is not asked for is not loaded.
 const routes = [
   [/^#\/jobs$/, () => new JobsView(farm)],
-  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|document))?$/, async (id, tab) => new (await import("./job.js")).JobView(farm, Number(id), tab)],
-  [/^#\/jobs\/(\d+)\/frames\/(-?\d+)$/, async (id, frame) => new (await import("./frame.js")).FrameView(farm, Number(id), Number(frame))],
+  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|document))?$/, async (id, tab) =>
+    new (await import("./job.js")).JobView(farm, Number(id), tab)],
+  [/^#\/jobs\/(\d+)\/frames\/(-?\d+)$/, async (id, frame) => new (await import("./frame.js")).FrameView(farm,
+    Number(id), Number(frame))],
   [/^#\/workers$/, async () => new (await import("./workers.js")).WorkersView(farm)],
   [/^#\/submit$/, async () => new (await import("./submit.js")).SubmitView(farm)],
   [/^#\/help$/, async () => new (await import("./help.js")).HelpView()],
@@ -42,23 +44,23 @@ function finishRoute(hash) {
 }
 
 function showLink() {
-  const place = find("#link");
-  const words = { connecting: "connecting", live: "live", closed: "no session" };
+  const place = find("#link"), words = { connecting: "connecting", live: "live", closed: "no session" };
   clearInterval(showLink.timer);
   document.body.dataset.link = farm.state;
   if (farm.state === "lost") {
-    const left = () => Math.max(0, Math.ceil((farm.retryAt - Date.now()) / 1000));
-    const text = el("span", null);
+    const text = el("span", null), left = () => Math.max(0, Math.ceil((farm.retryAt - Date.now()) / 1000));
     const tell = () => (text.textContent = `✗ not live: ${farm.why}; again in ${left()} s`);
     showLink.timer = setInterval(tell, 1000);
     tell();
     place.replaceChildren(text, " ", el("button", { type: "button", onclick: () => farm.connect() }, "Now"));
-  } else place.replaceChildren(el("span", { class: "sign", "aria-hidden": "true" }, farm.state === "live" ? "● " : "○ "), words[farm.state]);
+  } else place.replaceChildren(el("span", { class: "sign", "aria-hidden": "true" },
+    farm.state === "live" ? "● " : "○ "), words[farm.state]);
   showUser();
   if (farm.state === "closed") {
     view?.hide();
     view = { root: el("section", { class: "text" }, el("h1", null, "No session"),
-      el("p", null, "Type ", el("code", null, "march web"), " in a terminal: it opens this page with a session of yours.")), hide() {}, title: "No session" };
+      el("p", null, "Type ", el("code", null, "march web"),
+        " in a terminal: it opens this page with a session of yours.")), hide() {}, title: "No session" };
     find("#main").replaceChildren(view.root);
   }
 }
@@ -69,19 +71,16 @@ function showUser() {
     el("button", { type: "button", onclick: leave }, "Log out")] : []));
 }
 
-async function leave() {
-  await fetch("/logout", { method: "POST" });
-  location.reload();
-}
+const leave = () => fetch("/logout", { method: "POST" }).finally(() => location.reload());
 
 // What the whole farm waits for.
 function showBanner() {
   const { status } = farm, lines = [];
   if (status?.drain) lines.push(`${status.drain.user} has drained the farm: no frame begins.`);
   if (status && status.store.state !== "ok") lines.push(`The queue's disk: ${status.store.reason}`);
-  for (const root of status?.roots ?? []) if (!root.is_there) lines.push(`The output root ${root.path} is away: ${root.reason}`);
-  const text = lines.join(" ");
-  const banner = find("#banner");
+  for (const root of status?.roots ?? [])
+    if (!root.is_there) lines.push(`The output root ${root.path} is away: ${root.reason}`);
+  const text = lines.join(" "), banner = find("#banner");
   if (banner.textContent !== text) banner.textContent = text;
   banner.hidden = !text;
 }
@@ -111,7 +110,7 @@ addEventListener("keydown", (event) => {
   if (event.key in places) location.hash = places[event.key];
   else if (event.key === "/" && find("#search")) find("#search").focus();
   else if (event.key === "t") find("#theme").click();
-  else if (event.key === "Escape") location.hash = location.hash.replace(/\/(frames\/)?[^/]*$/, "").replace(/^#?$/, "#/jobs");
+  else if (event.key === "Escape") location.hash = location.hash.replace(/\/(frames\/)?[^/]*$/, "") || "#/jobs";
   else return;
   event.preventDefault();
 });
@@ -124,4 +123,4 @@ setTheme(localStorage.getItem("theme"));
 showLink();
 route();
 farm.connect();
-window.marchdPage = { farm, stateMark, count }; // for a look from the browser's console
+window.marchdPage = { farm }; // for a look from the browser's console

@@ -8,8 +8,10 @@ export class Plots extends View {
   constructor(view) {
     super();
     Object.assign(this, { view, map: view.map, charts: [] });
-    const box = (name) => el("div", { class: "plot" }, el("h2", null, name), el("p", { class: "hint" }), el("div", { class: "chart" }, el("canvas", { role: "img" })));
-    this.root = el("div", { class: "plots" }, this.seconds = box("Seconds a frame"), this.errors = box("Error of each frame"));
+    const box = (name) => el("div", { class: "plot" }, el("h2", null, name), el("p", { class: "hint" }),
+      el("div", { class: "chart" }, el("canvas", { role: "img" })));
+    this.root = el("div", { class: "plots" }, this.seconds = box("Seconds a frame"),
+      this.errors = box("Error of each frame"));
   }
 
   async show() {
@@ -28,7 +30,8 @@ export class Plots extends View {
   }
 
   points(values, scale = 1) {
-    return [...values].map((value, index) => ({ x: this.map.numbers[index], y: value * scale })).filter(({ y }) => !Number.isNaN(y))
+    return [...values].map((value, index) => ({ x: this.map.numbers[index], y: value * scale })).filter(({ y }) =>
+      !Number.isNaN(y))
       .sort((a, b) => a.x - b.x);
   }
 
@@ -37,13 +40,18 @@ export class Plots extends View {
     for (const one of this.charts) one.destroy();
     const { map } = this, { tolerance } = this.view.job ?? {};
     const ink = (name) => getComputedStyle(document.body).getPropertyValue(name) && this.colour(name);
-    const line = (label, data, colour, more) => ({ label, data, borderColor: ink(colour), backgroundColor: ink(colour), borderWidth: 1.5, pointRadius: data.length > 300 ? 0 : 2.5, ...more });
-    const seconds = this.points(map.seconds), errors = this.points(map.errors, 100), bounds = this.points(map.bounds, 100);
-    const ends = map.numbers.length ? [map.numbers.reduce((a, b) => Math.min(a, b)), map.numbers.reduce((a, b) => Math.max(a, b))] : [];
+    const line = (label, data, colour, more) => ({ label, data, borderColor: ink(colour), backgroundColor: ink(colour),
+      borderWidth: 1.5, pointRadius: data.length > 300 ? 0 : 2.5, ...more });
+    const seconds = this.points(map.seconds), errors = this.points(map.errors, 100),
+      bounds = this.points(map.bounds, 100);
+    const ends = map.numbers.length ? [map.numbers.reduce((a, b) => Math.min(a, b)),
+      map.numbers.reduce((a, b) => Math.max(a, b))] : [];
     this.charts = [
       this.plot(this.seconds, "s", [line("seconds", seconds, "--running")], this.tellSeconds(seconds)),
-      this.plot(this.errors, "%", [line("error", errors, "--succeeded"), line("95 % bound", bounds, "--quiet", { borderDash: [5, 3], pointStyle: "triangle" }),
-        line("tolerance", tolerance ? ends.map((x) => ({ x, y: tolerance * 100 })) : [], "--failed", { borderDash: [2, 3], pointRadius: 0 })], this.tellErrors(errors, tolerance)),
+      this.plot(this.errors, "%", [line("error", errors, "--succeeded"), line("95 % bound", bounds, "--quiet",
+        { borderDash: [5, 3], pointStyle: "triangle" }),
+        line("tolerance", tolerance ? ends.map((x) => ({ x, y: tolerance * 100 })) : [], "--failed",
+          { borderDash: [2, 3], pointRadius: 0 })], this.tellErrors(errors, tolerance)),
     ];
   }
 
@@ -59,13 +67,17 @@ export class Plots extends View {
 
   plot(box, unit, datasets, told) {
     const ink = this.colour("--quiet"), lines = this.colour("--line"), canvas = box.querySelector("canvas");
-    const axis = (text) => ({ type: "linear", title: { display: true, text, color: ink }, ticks: { color: ink }, grid: { color: lines } });
+    const axis = (text) => ({ type: "linear", title: { display: true, text, color: ink }, ticks: { color: ink },
+      grid: { color: lines } });
     box.querySelector(".hint").textContent = told;
     canvas.setAttribute("aria-label", told);
     return new chart(canvas, { type: "line", data: { datasets: datasets.filter(({ data }) => data.length) },
-      options: { animation: false, parsing: false, normalized: true, maintainAspectRatio: false, interaction: { mode: "nearest", axis: "x", intersect: false },
-        onClick: (_, [hit]) => hit && datasets.length && this.view.openFrame(datasets.filter(({ data }) => data.length)[hit.datasetIndex].data[hit.index]?.x),
-        plugins: { decimation: { enabled: true, algorithm: "min-max", threshold: POINTS }, legend: { labels: { color: ink, usePointStyle: true, boxWidth: 7, boxHeight: 7 } } },
+      options: { animation: false, parsing: false, normalized: true, maintainAspectRatio: false,
+        interaction: { mode: "nearest", axis: "x", intersect: false },
+        onClick: (_, [hit]) => hit && datasets.length && this.view.openFrame(datasets.filter(({ data }) =>
+          data.length)[hit.datasetIndex].data[hit.index]?.x),
+        plugins: { decimation: { enabled: true, algorithm: "min-max", threshold: POINTS },
+          legend: { labels: { color: ink, usePointStyle: true, boxWidth: 7, boxHeight: 7 } } },
         scales: { x: axis("frame"), y: { ...axis(unit), beginAtZero: true } } } });
   }
 
@@ -78,6 +90,8 @@ export class Plots extends View {
   tellErrors(points, tolerance) {
     if (!points.length) return "No frame has a measured error yet.";
     const most = points.reduce((a, b) => (b.y > a.y ? b : a));
-    return `The largest ${percent(most.y / 100)} (frame ${most.x})${tolerance ? `, tolerance ${percent(tolerance)}, ${points.filter(({ y }) => y > tolerance * 100).length} frames over it` : ""}.`;
+    return `The largest ${percent(most.y / 100)} (frame ${most.x})${tolerance
+      ? `, tolerance ${percent(tolerance)}, ${points.filter(({ y }) => y > tolerance * 100).length} frames over it`
+      : ""}.`;
   }
 }

@@ -5,7 +5,8 @@ export function parseRange(text) {
   for (const part of text.split(",")) {
     const match = /^(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?$/.exec(part.trim());
     if (!match) throw new Error(`a range is written "1-100x2,140", not "${part}"`);
-    const first = Number(match[1]), last = match[2] === undefined ? first : Number(match[2]), step = Number(match[3] ?? 1);
+    const first = Number(match[1]), last = match[2] === undefined ? first : Number(match[2]),
+      step = Number(match[3] ?? 1);
     for (let i = 0; step > 0 && i <= Math.abs(last - first); i += step) numbers.push(first + (last < first ? -i : i));
   }
   return numbers;

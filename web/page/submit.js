@@ -26,34 +26,34 @@ export class SubmitView extends View {
   constructor(farm) {
     super();
     this.farm = farm;
-    this.text = el("textarea", { id: "document", spellcheck: false, rows: 24, value: kept.text, "aria-label": "The job's document",
-      "aria-describedby": "mistake", placeholder: "Drop a job file here, with its GLSL files, or type its JSON.", oninput: () => this.clear() });
+    this.text = el("textarea", { id: "document", spellcheck: false, rows: 24, value: kept.text,
+      "aria-label": "The job's document",
+      "aria-describedby": "mistake", placeholder: "Drop a job file here, with its GLSL files, or type its JSON.",
+        oninput: () => this.clear() });
     this.lines = el("pre", { class: "lines", "aria-hidden": "true" });
     this.text.addEventListener("scroll", () => (this.lines.scrollTop = this.text.scrollTop));
     this.mistake = el("p", { id: "mistake", class: "wrong", role: "alert" });
     this.paused = el("input", { type: "checkbox" });
-    const file = el("input", { type: "file", multiple: true, accept: ".json,.glsl", "aria-label": "Job file, and its GLSL files",
+    const file = el("input", { type: "file", multiple: true, accept: ".json,.glsl",
+      "aria-label": "Job file, and its GLSL files",
       onchange: () => this.read(file.files) });
     this.root = el("section", { class: "submit", "aria-label": "Submit a job", ondrop: (event) => this.onDrop(event),
       ondragover: (event) => this.onDrag(event, true), ondragleave: (event) => this.onDrag(event, false) },
       el("h1", null, "Submit a job"), el("div", { class: "tools" }, file, el("label", null, this.paused, " paused"),
-        el("button", { type: "button", class: "main", title: "Key: Ctrl and Enter", onclick: () => this.submit() }, "Submit")),
+        el("button", { type: "button", class: "main", title: "Key: Ctrl and Enter", onclick: () => this.submit() },
+          "Submit")),
       this.mistake, el("div", { class: "editor" }, this.lines, this.text));
     this.text.addEventListener("keydown", (event) => event.ctrlKey && event.key === "Enter" && this.submit());
   }
 
-  show() {
-    this.clear();
-  }
+  show() { this.clear(); }
 
   hide() {
     kept.text = this.text.value;
     super.hide();
   }
 
-  focus() {
-    this.text.focus();
-  }
+  focus() { this.text.focus(); }
 
   onDrag(event, isOver) {
     event.preventDefault();
@@ -88,7 +88,8 @@ export class SubmitView extends View {
   // Line numbers, the wrong one marked by a sign.
   number(wrong) {
     const count = this.text.value.split("\n").length;
-    this.lines.replaceChildren(...Array.from({ length: count }, (_, i) => (i + 1 === wrong ? el("b", { class: "wrong" }, `✗${i + 1}\n`) : `${i + 1}\n`)));
+    this.lines.replaceChildren(...Array.from({ length: count }, (_, i) => (i + 1 === wrong
+      ? el("b", { class: "wrong" }, `✗${i + 1}\n`) : `${i + 1}\n`)));
   }
 
   fail(place, message) {

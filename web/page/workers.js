@@ -1,7 +1,8 @@
 // Workers, by pool and node: which machine and renderer, what they do now, what was wrong last.
 import { View, el, table, facts, count, duration } from "./dom.js";
 
-const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", backing_off: "✗ backing off", stopping: "⊘ stopping", waiting: "Ⅱ waiting" };
+const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", backing_off: "✗ backing off",
+  stopping: "⊘ stopping", waiting: "Ⅱ waiting" };
 
 export class WorkersView extends View {
   constructor(farm) {
@@ -26,15 +27,20 @@ export class WorkersView extends View {
       ["Daemon", `${status.version}, up for ${duration(Date.now() / 1000 - status.started)}, pid ${status.pid}`],
       ["Output", status.output_roots.join(", ")],
       ["Queue on disk", status.store.state],
-    ]) : "", ...[...pools].flatMap(([pool, members]) => [el("h2", null, `Pool ${pool}, ${count(members.length)}`), this.drawPool(pool, members)]),
+    ]) : "", ...[...pools].flatMap(([pool, members]) => [el("h2", null, `Pool ${pool}, ${count(members.length)}`),
+      this.drawPool(pool, members)]),
     workers.length ? "" : el("p", { class: "hint" }, "No workers are known."));
   }
 
   drawPool(pool, workers) {
-    return table(`Workers of pool ${pool}`, ["Worker", "Machine", "State", "Does", "Done", "Renderer", "Last fault"], workers.map((worker) => [
-      `${worker.id}`, worker.node ?? "this machine", el("span", { class: `state ${worker.state}` }, signs[worker.state] ?? worker.state),
-      worker.job ? el("a", { href: `#/jobs/${worker.job}` }, `job ${worker.job}${this.jobName(worker.job)}, ${worker.frames} in flight`) : "–",
-      count(worker.done), [worker.backend, worker.renderer, worker.sandbox && `(${worker.sandbox})`].filter(Boolean).join(" · ") || "–",
+    return table(`Workers of pool ${pool}`, ["Worker", "Machine", "State", "Does", "Done", "Renderer", "Last fault"],
+      workers.map((worker) => [
+      `${worker.id}`, worker.node ?? "this machine", el("span", { class: `state ${worker.state}` },
+        signs[worker.state] ?? worker.state),
+      worker.job ? el("a", { href: `#/jobs/${worker.job}` },
+        `job ${worker.job}${this.jobName(worker.job)}, ${worker.frames} in flight`) : "–",
+      count(worker.done), [worker.backend, worker.renderer, worker.sandbox
+        && `(${worker.sandbox})`].filter(Boolean).join(" · ") || "–",
       worker.reason ? el("span", { class: "wrong" }, `! ${worker.reason}`) : "–"]));
   }
 
