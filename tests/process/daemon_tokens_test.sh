@@ -67,6 +67,16 @@ expect_error "$(ask_as "${ann[@]}" notify.pending)" 2 "notify.pending: "
 said=$({ message auth.token "{\"token\":\"$read_token\"}"; message auth.token "{\"token\":\"$submit_token\"}"; message auth.drop; } | talk "${bob[@]}")
 expect "codes of a second sign-in" "$(jq -sc 'map(.error.code)' <<<"$said")" '[null,3,3]'
 
+# Who drops their user, or takes another, hears no more of what they subscribed to as before.
+job=$(ask_as "${ann[@]}" job.submit "{\"paused\":true,\"document\":$(job 1 '.output.path = "ann/e.####.exr"')}" | jq .result.id)
+{ message events.subscribe; message auth.drop; } | as "${ann[@]}" "$bin/socket-client" --keep "$socket" >"$scratch/dropped" &
+{ message events.subscribe; message auth.token "{\"token\":\"$read_token\"}"; } | as "${ann[@]}" "$bin/socket-client" --keep "$socket" >"$scratch/taken" &
+message events.subscribe | as "${ann[@]}" "$bin/socket-client" --keep "$socket" >"$scratch/kept" &
+wait_until "all have begun" eval '[ "$(cat "$scratch"/{dropped,taken,kept} | grep -c "\"result\"")" = 5 ]'
+ask_as "${ann[@]}" job.priority "{\"id\":$job,\"priority\":33}" >/dev/null
+wait_until "the other hears of it" grep -q '"priority":33' "$scratch/kept"
+expect "what they hear" "$(cat "$scratch"/{dropped,taken} | grep -c '"event"')" 0
+
 # What is wrong is told with one text, and the third ends the connection.
 gone=$(create "${ann[@]}" '{"scope":"read"}')
 id=$(ask_as "${ann[@]}" token.list | jq '.result.tokens[-1].id')
