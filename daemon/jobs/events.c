@@ -27,6 +27,7 @@ struct events {
     uv_timer_t timer;                   // active while changed counts wait to be sent
     struct subscription *subscriptions; // owned
     size_t count, capacity;
+    size_t frame_count;          // of the subscriptions: those that want events of frames
     struct job_record **changed; // owned; records with is_changed
     size_t changed_count, changed_capacity;
     struct loop_task sending_task; // sends the events of those below, one in a step
@@ -75,6 +76,7 @@ bool events_subscribe(struct events *events, struct client *client, int64_t job,
         xgrow(events->subscriptions, &events->capacity, events->count + 1, sizeof events->subscriptions[0]);
     events->subscriptions[events->count++] =
         (struct subscription){.client = client, .job = job, .wants_frames = wants_frames};
+    events->frame_count += wants_frames;
     return true;
 }
 
@@ -88,6 +90,8 @@ static void remove_subscriptions(struct events *events, const struct client *cli
 
         if (subscription->client != client || (job >= 0 && subscription->job != job))
             events->subscriptions[kept++] = *subscription;
+        else
+            events->frame_count -= subscription->wants_frames;
     }
     events->count = kept;
 }
@@ -100,6 +104,17 @@ void events_unsubscribe(struct events *events, const struct client *client, int6
 void events_forget(struct events *events, const struct client *client)
 {
     remove_subscriptions(events, client, -1);
+}
+
+// Events of frames are many, and most who listen want none.
+static bool is_frame_wanted(const struct events *events, int64_t job)
+{
+    for (size_t i = 0; i < events->count && events->frame_count > 0; i++) {
+        const struct subscription *subscription = &events->subscriptions[i];
+
+        if (subscription->wants_frames && (!subscription->job || subscription->job == job)) return true;
+    }
+    return false;
 }
 
 static struct json_writer *begin_event(struct events *events, const char *type)
@@ -227,7 +242,7 @@ void events_send_frame(struct events *events, const struct queue_ticket *ticket,
 {
     struct json_writer *writer;
 
-    if (events->count == 0) return;
+    if (!is_frame_wanted(events, ticket->job)) return;
     writer = begin_event(events, "frame");
     json_write_integer_member(writer, "id", ticket->job);
     json_write_integer_member(writer, "frame", ticket->frame);
@@ -241,7 +256,7 @@ void events_send_phase(struct events *events, const struct in_flight_frame *fram
 {
     struct json_writer *writer;
 
-    if (events->count == 0) return;
+    if (!is_frame_wanted(events, frame->ticket.job)) return;
     writer = begin_event(events, "phase");
     json_write_integer_member(writer, "id", frame->ticket.job);
     json_write_integer_member(writer, "frame", frame->ticket.frame);
