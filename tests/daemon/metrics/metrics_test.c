@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/metrics/metrics.h"
 
-#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
 
@@ -18,46 +16,6 @@ static uint64_t sum_of(const struct histogram *histogram)
     for (size_t i = 0; i <= HISTOGRAM_END_LIMIT; i++)
         sum += histogram->counts[i];
     return sum;
-}
-
-static void an_end_belongs_to_its_class(void **state)
-{
-    const struct histogram_scale scale = {{1, 2, 5}, 3};
-    struct histogram histogram = {0};
-    static const double values[] = {0, 1, 1.5, 2, 5, 5.1, 1e6};
-
-    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
-        histogram_add(&histogram, &scale, values[i]);
-    assert_int_equal(histogram.counts[0], 2);
-    assert_int_equal(histogram.counts[1], 2);
-    assert_int_equal(histogram.counts[2], 1);
-    assert_int_equal(histogram.counts[3], 2);
-    assert_true(fabs(histogram.sum - 1000014.6) < 1e-6);
-}
-
-static void no_value_spoils_the_sum(void **state)
-{
-    const struct histogram_scale scale = {{1, 2, 5}, 3};
-    struct histogram histogram = {0};
-
-    histogram_add(&histogram, &scale, -1);
-    histogram_add(&histogram, &scale, NAN);
-    histogram_add(&histogram, &scale, INFINITY);
-    assert_int_equal(histogram.counts[0], 2);
-    assert_int_equal(histogram.counts[3], 1);
-    assert_true(histogram.sum == 1e9);
-}
-
-static void scales_ascend(void **state)
-{
-    const struct histogram_scale *scales[] = {&histogram_work_s, &histogram_latency_s, &histogram_wait_s,
-                                              &histogram_ratio};
-
-    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        assert_in_range(scales[i]->count, 1, HISTOGRAM_END_LIMIT);
-        for (size_t k = 1; k < scales[i]->count; k++)
-            assert_true(scales[i]->ends[k] > scales[i]->ends[k - 1]);
-    }
 }
 
 static void frames_are_counted_by_what_rendered_them(void **state)
@@ -130,9 +88,6 @@ static void every_cause_and_fault_has_a_name(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_end_belongs_to_its_class),
-        cmocka_unit_test(no_value_spoils_the_sum),
-        cmocka_unit_test(scales_ascend),
         cmocka_unit_test(frames_are_counted_by_what_rendered_them),
         cmocka_unit_test(unknown_words_are_one_word),
         cmocka_unit_test(further_series_share_the_last),
