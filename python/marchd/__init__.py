@@ -19,6 +19,7 @@ from .farm import Events, Farm
 from .follow import Disconnected, Event, Reconnected
 from .job_files import load_job, resolve_files
 from .job_format import JobDocument
+from .pictures import Picture
 
 __all__ = [
     "AsyncEvents",
@@ -43,6 +44,7 @@ __all__ = [
     "NotAllowed",
     "NotFound",
     "PhaseEvent",
+    "Picture",
     "Reconnected",
     "StoreError",
     "Worker",

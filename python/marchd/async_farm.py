@@ -290,8 +290,11 @@ class AsyncFarm:
     def events(self, jobs: int | Iterable[int] | None = None, frames: bool = True, workers: bool = True) -> AsyncEvents:
         return AsyncEvents(self, [jobs] if isinstance(jobs, int) else jobs, frames, workers and jobs is None)
 
-    async def picture(self, number: int, frame: int, **options: pictures.Option) -> bytes:
-        return await asyncio.to_thread(pictures.get, self.address, self._token, number, f"{frame}.png", options)
+    async def picture(self, number: int, frame: int, **options: pictures.Option) -> pictures.Picture:
+        return await asyncio.to_thread(pictures.get_picture, self.address, self._token, number, frame, options)
+
+    async def header(self, number: int, frame: int) -> dict[str, Any]:
+        return await asyncio.to_thread(pictures.get_header, self.address, self._token, number, frame)
 
     async def open_channel(self) -> AsyncChannel:
         """A connection of its own."""

@@ -170,9 +170,13 @@ class Farm:
         """What happens to these jobs, or to all, from now on: first a JobEvent for each in its present state."""
         return Events(self, [jobs] if isinstance(jobs, int) else jobs, frames, workers and jobs is None)
 
-    def picture(self, number: int, frame: int, **options: pictures.Option) -> bytes:
-        """A PNG of a frame; through march-web alone. Options: exposure, channel, x, y, w, h, size."""
-        return pictures.get(self.address, self._token, number, f"{frame}.png", options)
+    def picture(self, number: int, frame: int, **options: pictures.Option) -> pictures.Picture:
+        """A frame as PNG; through march-web alone. Options: exposure, channel, x, y, w, h, size."""
+        return pictures.get_picture(self.address, self._token, number, frame, options)
+
+    def header(self, number: int, frame: int) -> dict[str, Any]:
+        """What a frame's file says of itself: the result of worker.header; through march-web alone."""
+        return pictures.get_header(self.address, self._token, number, frame)
 
     def open_channel(self) -> Channel:
         """A connection of its own."""

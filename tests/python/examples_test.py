@@ -12,9 +12,17 @@ import sys
 import tempfile
 import unittest
 
+from marchd import Farm
 from private_farm import ROOT, PrivateFarm, document
 
 EXAMPLES = re.findall(r"^```python\n(.*?)^```$", (ROOT / "docs/python.md").read_text(encoding="utf-8"), re.M | re.S)
+
+
+def reach(daemon: PrivateFarm) -> dict[str, str]:
+    """The variables that name a march-web and a token to an example."""
+    with Farm(str(daemon.socket)) as farm:
+        token = farm.call("token.create", {"scope": "submit", "name": "example"})["token"]
+    return {"MARCH_WEB": daemon.start_web(), "MARCH_TOKEN": token}
 
 
 class Examples(unittest.TestCase):
@@ -23,10 +31,12 @@ class Examples(unittest.TestCase):
         for example in EXAMPLES:
             daemon = PrivateFarm()
             self.addCleanup(daemon.close)
-            daemon.start("write:0")
+            is_web = "MARCH_WEB" in example
+            daemon.start(None if is_web else "write:0")
             (daemon.folder / "first.json").write_text(json.dumps(document("first", "0-9")))
-            environment = {**os.environ, "MARCHD_SOCKET": str(daemon.socket)}
-            ended = subprocess.run([sys.executable, "-c", example], cwd=daemon.folder, env=environment, capture_output=True)
+            environment = {**os.environ, "MARCHD_SOCKET": str(daemon.socket), **(reach(daemon) if is_web else {})}
+            command = [sys.executable, "-c", example]
+            ended = subprocess.run(command, cwd=daemon.folder, env=environment, capture_output=True)
             self.assertEqual((ended.returncode, ended.stderr), (0, b""), f"{example}\n{ended.stderr.decode()}")
             self.assertTrue(ended.stdout, example)
             self.assertNotIn(b"failed", ended.stdout)

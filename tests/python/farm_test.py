@@ -286,7 +286,8 @@ class Silent(unittest.TestCase):
                         if answered and asked.count("worker.list") < 3:
                             break
                         answered = True
-                        connection.sendall(json.dumps({"id": request["id"], "result": {"workers": []}}).encode() + b"\n")
+                        answer = {"id": request["id"], "result": {"workers": []}}
+                        connection.sendall(json.dumps(answer).encode() + b"\n")
 
         threading.Thread(target=serve, daemon=True).start()
         farm = Farm(str(daemon.socket), patience_s=PATIENCE_S)

@@ -34,17 +34,21 @@ class PrivateFarm:
             self.kill()
         shutil.rmtree(self.folder)
 
-    def start(self, mode: str, *options: str) -> None:
-        """Begins a daemon whose workers are stubs of that mode, and returns when its socket is there."""
+    def start(self, mode: str | None) -> None:
+        """Begins a daemon whose workers are stubs of that mode, or real ones, and returns when it can be asked."""
         self._starts += 1
         worker = self.folder / f"worker{self._starts}"  # one that still runs cannot be written to
-        worker.write_text(f'#!/bin/sh\nexec "{BIN}/stub-worker" --mode {mode} "$@"\n')
-        worker.chmod(0o755)
-        command: list[str | pathlib.Path] = [BIN / "marchd", "--config", "/dev/null", "--state", self.folder / "state", "--socket", self.socket]
+        if mode is not None:
+            worker.write_text(f'#!/bin/sh\nexec "{BIN}/stub-worker" --mode {mode} "$@"\n')
+            worker.chmod(0o755)
+        command: list[str | pathlib.Path] = [BIN / "marchd", "--config", "/dev/null", "--socket", self.socket]
+        command += ["--state", self.folder / "state"]
         command += ["--output-root", self.folder / "out", "--input-root", "/", "--workers", "2"]
-        command += ["--worker-program", worker, "--stop-timeout", "1", *options]
+        command += ["--stop-timeout", "1", "--backend", "software"]
+        command += [] if mode is None else ["--worker-program", worker]
         with open(self.folder / "log", "ab") as log:
-            self._process = subprocess.Popen(command, stderr=log, env={**os.environ, "XDG_CONFIG_HOME": str(self.folder)})
+            environment = {**os.environ, "XDG_CONFIG_HOME": str(self.folder)}
+            self._process = subprocess.Popen(command, stderr=log, env=environment)
         end = time.monotonic() + PATIENCE_S
         while not self._answers():
             assert time.monotonic() < end and self._process.poll() is None, self.log()
@@ -54,6 +58,7 @@ class PrivateFarm:
         """Begins a march-web before the daemon, and returns its address."""
         command: list[str | pathlib.Path] = [BIN / "march-web", "--config", "/dev/null", "--socket", self.socket]
         command += ["--listen", "127.0.0.1:0", "--page-dir", ROOT / "web/page", "--document-dir", ROOT / "jobs"]
+        command += ["--cache-dir", self.folder / "pictures"]
         log = self.folder / "web.log"
         with open(log, "wb") as file:
             self._web = subprocess.Popen(command, stderr=file, env={**os.environ, "XDG_CONFIG_HOME": str(self.folder)})

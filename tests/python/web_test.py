@@ -1,4 +1,4 @@
-"""The Python client through march-web: every method over its WebSocket, tokens, and a daemon that goes away behind it."""
+"""The Python client through march-web: every method, pictures, tokens, and a daemon that goes away behind it."""
 
 from __future__ import annotations
 
@@ -59,6 +59,36 @@ class WebErrors(WebCase):
         with self.assertRaises(marchd.JobError) as caught:
             self.connect().submit(document("wrong", "1", fps="x"))
         self.assertEqual(caught.exception.place, "fps")
+
+
+class Pictures(WebCase):
+    def test_frame_is_seen(self) -> None:
+        self.daemon.start(None)
+        farm = self.connect()
+        number = farm.submit(document("real", "3"))
+        self.assertEqual(farm.wait(number, PATIENCE_S).state, "succeeded")
+        picture = farm.picture(number, 3)
+        self.assertEqual((picture.png[:4], picture.width_px, picture.file_height_px), (b"\x89PNG", 32, 18))
+        assert picture.exposure is not None
+        brighter = farm.picture(number, 3, exposure=picture.exposure + 2, size=16)
+        self.assertEqual((brighter.width_px, brighter.exposure), (16, picture.exposure + 2))
+        self.assertNotEqual(farm.picture(number, 3, channel="A").png, picture.png)
+        self.assertIn("real", str(farm.header(number, 3)))
+
+        async def ask() -> marchd.Picture:
+            async with AsyncFarm(self.address, self.token) as same:
+                self.assertEqual(await same.header(number, 3), farm.header(number, 3))
+                return await same.picture(number, 3)
+
+        self.assertEqual(asyncio.run(ask()), picture)
+        with self.assertRaises(marchd.WrongRequest):
+            farm.picture(number, 3, channel="nonsense")
+        with self.assertRaises(NotFound):
+            farm.picture(number, 4)
+        with self.assertRaises(NotAllowed):
+            Farm(self.address, "wrong").picture(number, 3)
+        with self.assertRaises(ConnectionLost):
+            Farm("http://127.0.0.1:9").header(number, 3)
 
 
 class WebRestarts(WebCase):
