@@ -1,9 +1,9 @@
 """What marchd --openrpc says is held to what a daemon answers.
 
 openrpc.py protocol OPENRPC PROTOCOL.MD         the page's table of methods has the same methods, parameters and members
-openrpc.py answers OPENRPC ANSWERS EVENTS       every answer and event is as described, and everything described was told
-openrpc.py params OPENRPC SOCKET JOB            the daemon refuses what the description does not allow, and reads the rest;
-                                                the job is one that is not over
+openrpc.py answers OPENRPC ANSWERS EVENTS       every answer and event is as described, and everything described is told
+openrpc.py params OPENRPC SOCKET JOB            the daemon refuses what the description does not allow, and reads all
+                                                else; the job is one that is not over
 openrpc.py sources OPENRPC FILE.c...            every parameter that the code reads is described
 """
 
@@ -177,7 +177,8 @@ def check_params(book, path, job):
 
 def check_sources(book, files):
     known = {param["name"] for method in book.methods.values() for param in method["params"]}
-    reads = re.compile(r'(?:json_node_child\(&request->params, |request_read_\w+\(request, |read_count\(request, )"(\w+)"')
+    ways = (r"json_node_child\(&request->params, ", r"\w*read_\w+\(request, ")
+    reads = re.compile(rf'(?:{"|".join(ways)})"(\w+)"')
     count = 0
     for path in files:
         with open(path, encoding="utf-8") as file:
