@@ -166,6 +166,34 @@ put cp "$scratch/good.exr" "$frame"
 expect_get 200 "/frame/$id/0.png"
 stop_showing
 
+# Who goes away is not waited for: two pictures are being made when a third is asked for and given up, and then a fourth.
+printf '#!/bin/sh\necho >>%s\nuntil [ -e %s/go ]; do sleep 0.05; done\nexec %s/march-worker "$@"\n' "$scratch/starts" "$scratch" "$bin" \
+    >"$scratch/patient"
+chmod 755 "$scratch/patient"
+rm -rf "$scratch/cache/web"
+start_showing --worker-program "$scratch/patient"
+before=$(starts)
+python3 - "$web_port" "$token" "/frame/$id/40.png?size" "$scratch" "$before" <<'PYTHON' || fail "a browser that goes away"
+import sys, time, web_client
+port, token, path, scratch, before = int(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4], int(sys.argv[5])
+def begin(size):
+    client = web_client.Client(port)
+    client.send(f"GET {path}={size} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\n\r\n".encode())
+    return client
+first, second = begin(1), begin(2)
+while len(open(scratch + "/starts").read()) < before + 2:
+    time.sleep(0.05)
+third = begin(3)
+time.sleep(1)  # it waits by then, mostly: else it never gets that far
+third.socket.close()
+fourth = begin(4)
+time.sleep(1)
+open(scratch + "/go", "w").close()
+assert [client.answer().status for client in (first, second, fourth)] == [200, 200, 200]
+PYTHON
+expect "pictures that were made" "$(starts)" $((before + 3))
+stop_showing
+
 # Killed while it makes pictures and half of one is written, it begins again; the cache keeps its limit.
 printf '#!/bin/sh\nexec sleep 100000\n' >"$scratch/slow"
 chmod 755 "$scratch/slow"
