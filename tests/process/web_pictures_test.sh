@@ -122,14 +122,14 @@ put sh -c "printf 'v/1\\001' >'$frame'"
 expect_get 422 "/frame/$id/0.json"
 rm "$frame"
 expect_get 404 "/frame/$id/0.png" "not there"
-# A small file of 16,384 lines of 16,384 pixels, of three channels and of 256.
+# Small files of lines of 16,384 pixels: 4,096 of three channels, and 16,384 of 256.
 python3 - "$scratch" <<'PYTHON' || fail "the bombs"
 import struct, sys, zlib
-def write(path, channel_count):
+def write(path, channel_count, height):
     side = 16384
     names = sorted(["R", "G", "B"] + ["x%03d" % i for i in range(channel_count - 3)])
     attribute = lambda name, kind, data: name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
-    box = struct.pack("<4i", 0, 0, side - 1, side - 1)
+    box = struct.pack("<4i", 0, 0, side - 1, height - 1)
     channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
     head = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", channels) + attribute("compression", "compression", b"\3") \
         + attribute("dataWindow", "box2i", box) + attribute("displayWindow", "box2i", box) + attribute("lineOrder", "lineOrder", b"\0") \
@@ -141,13 +141,13 @@ def write(path, channel_count):
     packed = b"".join(pieces) + deflate.flush()
     with open(path, "wb") as file:
         file.write(head)
-        at = len(head) + 8 * (side // 16)
-        for i in range(side // 16):
+        at = len(head) + 8 * (height // 16)
+        for i in range(height // 16):
             file.write(struct.pack("<Q", at + i * (8 + len(packed))))
-        for i in range(side // 16):
+        for i in range(height // 16):
             file.write(struct.pack("<ii", i * 16, len(packed)) + packed)
-write(sys.argv[1] + "/flat.exr", 3)
-write(sys.argv[1] + "/bomb.exr", 256)
+write(sys.argv[1] + "/flat.exr", 3, 4096)
+write(sys.argv[1] + "/bomb.exr", 256, 16384)
 PYTHON
 stop_showing
 start_showing --picture-time 2
@@ -158,7 +158,7 @@ stop_showing
 start_showing --picture-time 3600 --picture-memory 200M
 put cp "$scratch/flat.exr" "$frame"
 expect_get 200 "/frame/$id/0.png?size=64&exposure=0"
-expect "a huge picture" "$(png_size)" 64x64
+expect "a huge picture" "$(png_size)" 64x16
 # The farm's own workers had nothing to do with it, and the good frames are there.
 expect_get 200 "/frame/$id/40.png"
 expect "frames of the farm's workers" "$(ask worker.list | jq '[.result.workers[].done] | add')" 2
@@ -180,14 +180,17 @@ def begin(size):
     client = web_client.Client(port)
     client.send(f"GET {path}={size} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\n\r\n".encode())
     return client
+def wait_for(text, count, file="web.log"):
+    while open(f"{scratch}/{file}").read().count(text) < count:
+        time.sleep(0.05)
 first, second = begin(1), begin(2)
-while len(open(scratch + "/starts").read()) < before + 2:
-    time.sleep(0.05)
+wait_for("\n", before + 2, "starts")
 third = begin(3)
-time.sleep(1)  # it waits by then, mostly: else it never gets that far
+wait_for("a picture of", 3)
 third.socket.close()
+wait_for("not waited for any more", 1)
 fourth = begin(4)
-time.sleep(1)
+wait_for("a picture of", 4)
 open(scratch + "/go", "w").close()
 assert [client.answer().status for client in (first, second, fourth)] == [200, 200, 200]
 PYTHON

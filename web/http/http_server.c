@@ -283,13 +283,23 @@ static int on_lws(struct lws *wsi, enum lws_callback_reasons reason, void *sessi
     }
 }
 
+// libwebsockets reads nothing while an answer is awaited, and so does not see that nobody waits for it any more.
+static bool is_deserted(const struct http_connection *connection)
+{
+    const struct http_request *request = connection->request;
+    char byte;
+
+    return request && request->has_all && !request->is_answered &&
+           recv(lws_get_socket_fd(connection->wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
 static void on_sweep(uv_timer_t *timer)
 {
     struct http_server *server = timer->data;
     uint64_t now = uv_now(server->params.loop);
 
     for (struct http_connection *at = server->first; at; at = at->next) {
-        if (!at->deadline_ms || at->deadline_ms > now) continue;
+        if ((!at->deadline_ms || at->deadline_ms > now) && !is_deserted(at)) continue;
         at->deadline_ms = 0;
         http_connection_kill(at);
     }

@@ -196,6 +196,7 @@ static void on_gone(void *user)
     struct showing *showing = user;
 
     pictures_drop(showing->route->pictures, showing->ask);
+    log_debug("a picture is not waited for any more");
     free(showing);
 }
 
@@ -214,6 +215,7 @@ static void ask_picture(struct route_frame *route, struct http_request *request,
     *showing = (struct showing){.route = route, .request = request};
     showing->ask = pictures_ask(route->pictures, &question, showing);
     http_request_on_gone(request, on_gone, showing);
+    log_debug("%s: a picture of %s", http_request_address(request), path);
 }
 
 static void on_frame(struct http_request *request, const struct farm_answer *answer, void *user)
