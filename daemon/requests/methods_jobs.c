@@ -80,6 +80,17 @@ static const struct member map_result[] = {
     {0},
 };
 
+static const struct member plans_params[] = {
+    {"id", "integer", .meaning = "the job", .min = 1},
+    {"limit", "integer", .meaning = "so many of the newest", .min = 1, .max = PLANS_LIMIT, .fallback = "100",
+     .is_optional = true},
+    {0},
+};
+static const struct member plans_result[] = {
+    {"plans", "plan[]", .meaning = "those of its owner for equal pictures, the newest first"},
+    {0},
+};
+
 static const struct member log_params[] = {
     {"id", "integer", .meaning = "the job", .min = 1},
     {"frame", "integer", .meaning = "its number; absent: all", .min = 0, .max = FRAME_NUMBER_LIMIT - 1,
@@ -101,6 +112,8 @@ const struct method methods_of_jobs[] = {
      .result = frames_result},
     {"job.frame_map", requests_job_frame_map, "The state of each frame of a job in short.", NEED_READ,
      .params = map_params, .result = map_result},
+    {"job.plans", requests_job_plans, "How frames of a job with a tolerance are rendered, and why.", NEED_READ,
+     .params = plans_params, .result = plans_result},
     {"job.log", requests_job_log, "Attempts at a job's frames.", NEED_READ, .params = log_params, .result = log_result},
     {0},
 };

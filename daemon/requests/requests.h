@@ -12,6 +12,8 @@ void requests_handle(struct farm *farm, struct client *client, struct message *m
 
 extern const char *const job_list_orders[]; // of job.list; end in NULL
 
+enum { PLANS_DEFAULT = 100, PLANS_LIMIT = 1000 }; // of job.plans
+
 // The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);
 enum request_outcome requests_daemon_metrics(struct request *request);
@@ -30,6 +32,7 @@ enum request_outcome requests_job_list(struct request *request);
 enum request_outcome requests_job_show(struct request *request);
 enum request_outcome requests_job_frames(struct request *request);
 enum request_outcome requests_job_frame_map(struct request *request);
+enum request_outcome requests_job_plans(struct request *request);
 enum request_outcome requests_job_log(struct request *request);
 enum request_outcome requests_job_submit(struct request *request);
 enum request_outcome requests_job_pause(struct request *request);

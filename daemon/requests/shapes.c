@@ -115,6 +115,15 @@ static const struct member attempt_members[] = {
 };
 static const struct shape shape_attempt = {"attempt", "One try at a frame.", .members = attempt_members};
 
+static const struct member plan_members[] = {
+    {"number", "integer", .meaning = "frames name it as their plan", .min = 1},
+    {"quality", "object", .meaning = "as a job would state it, of frames that are not refined"},
+    {"why", "string", .meaning = "why this one"},
+    {"scouts", "number[]", .meaning = "its relative RMSE in frames that lie evenly over the segment"},
+    {0},
+};
+static const struct shape shape_plan = {"plan", "How the frames of a segment are rendered.", .members = plan_members};
+
 static const struct member root_members[] = {
     {"path", "string", .meaning = "absolute"},
     {"id", "string?", .meaning = "of its marker; null: it was never there"},
@@ -295,10 +304,11 @@ static const struct member notice_members[] = {
 static const struct shape shape_notice = {"notice", "What a target is to be told.", .members = notice_members};
 
 const struct shape *const shapes[] = {
-    &shape_job,         &shape_frame,        &shape_worker,        &shape_attempt, &shape_root,      &shape_store,
-    &shape_job_counts,  &shape_frame_counts, &shape_node_counts,   &shape_drain,   &shape_loop,      &shape_sample,
-    &shape_histogram,   &shape_any_sample,   &shape_family,        &shape_event,   &shape_job_event, &shape_frame_event,
-    &shape_phase_event, &shape_worker_event, &shape_deleted_event, &shape_token,   &shape_notice,    NULL};
+    &shape_job,          &shape_frame,         &shape_worker,     &shape_attempt,      &shape_plan,
+    &shape_root,         &shape_store,         &shape_job_counts, &shape_frame_counts, &shape_node_counts,
+    &shape_drain,        &shape_loop,          &shape_sample,     &shape_histogram,    &shape_any_sample,
+    &shape_family,       &shape_event,         &shape_job_event,  &shape_frame_event,  &shape_phase_event,
+    &shape_worker_event, &shape_deleted_event, &shape_token,      &shape_notice,       NULL};
 
 const struct shape *shapes_find(const char *name, size_t length)
 {

@@ -15,8 +15,8 @@
 enum { BUSY_TIMEOUT_MS = 5000 };
 
 struct store_reader {
-    sqlite3 *db;                                                              // owned
-    sqlite3_stmt *frames, *attempts, *document, *plan, *farm, *roots, *usage; // owned
+    sqlite3 *db;                                                                      // owned
+    sqlite3_stmt *frames, *attempts, *document, *plan, *plans, *farm, *roots, *usage; // owned
 };
 
 struct store_reader *store_reader_open(const char *folder, struct error *error)
@@ -45,6 +45,9 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
                            "SELECT number, text FROM plan WHERE owner_uid = ? AND scene = ? AND segment = ?"
                            " ORDER BY number DESC LIMIT 1",
                            &reader->plan, error) &&
+         store_sql_prepare(
+             reader->db, "SELECT number, text FROM plan WHERE owner_uid = ? AND scene = ? ORDER BY number DESC LIMIT ?",
+             &reader->plans, error) &&
          store_sql_prepare(reader->db, "SELECT farm FROM daemon", &reader->farm, error) &&
          store_sql_prepare(reader->db, "SELECT path, id FROM root ORDER BY path", &reader->roots, error) &&
          store_sql_prepare(reader->db, "SELECT owner_uid, used_s, at_ms FROM usage ORDER BY owner_uid", &reader->usage,
@@ -63,6 +66,7 @@ void store_reader_close(struct store_reader *reader)
     sqlite3_finalize(reader->roots);
     sqlite3_finalize(reader->farm);
     sqlite3_finalize(reader->plan);
+    sqlite3_finalize(reader->plans);
     sqlite3_finalize(reader->document);
     sqlite3_finalize(reader->attempts);
     sqlite3_finalize(reader->frames);
@@ -177,6 +181,29 @@ bool store_read_plan(struct store_reader *reader, const struct plan_key *key, in
     }
     sqlite3_reset(rows);
     return result == SQLITE_ROW || result == SQLITE_DONE;
+}
+
+bool store_read_plans(struct store_reader *reader, int64_t owner_uid, const char *scene, int limit,
+                      store_on_plan *on_plan, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = reader->plans;
+    bool ok = true;
+    int result;
+
+    sqlite3_bind_int64(rows, 1, owner_uid);
+    store_sql_bind_text(rows, 2, scene);
+    sqlite3_bind_int(rows, 3, limit);
+    while (ok && (result = sqlite3_step(rows)) != SQLITE_DONE) {
+        const char *text = result == SQLITE_ROW ? store_sql_text(rows, 1) : NULL;
+
+        ok = result == SQLITE_ROW;
+        if (!ok)
+            store_sql_set_error(error, reader->db, "read the plans");
+        else
+            ok = on_plan(user, sqlite3_column_int64(rows, 0), text ? text : "", error);
+    }
+    sqlite3_reset(rows);
+    return ok;
 }
 
 bool store_read_farm(struct store_reader *reader, char farm[static ROOT_MARKER_ID_SIZE], struct error *error)

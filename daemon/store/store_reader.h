@@ -41,3 +41,7 @@ bool store_read_notices(struct store_reader *reader, int64_t after, int limit, s
                         struct error *error);
 bool store_list_notices(struct store_reader *reader, store_on_notice *on_notice, void *user, struct error *error);
 bool store_read_told(struct store_reader *reader, store_on_told *on_told, void *user, struct error *error);
+typedef bool store_on_plan(void *user, int64_t number, const char *text, struct error *error);
+// Those of an owner for pictures of that hash, whatever their segments, the newest first. `text` is borrowed.
+bool store_read_plans(struct store_reader *reader, int64_t owner_uid, const char *scene, int limit,
+                      store_on_plan *on_plan, void *user, struct error *error);

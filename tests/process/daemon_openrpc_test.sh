@@ -26,6 +26,7 @@ look()
     ask job.show "{\"id\":$1}" >/dev/null
     ask job.frames "{\"id\":$1}" >/dev/null
     ask job.log "{\"id\":$1}" >/dev/null
+    ask job.plans "{\"id\":$1}" >/dev/null
     ask worker.list >/dev/null
     ask daemon.status >/dev/null
     ask daemon.metrics >/dev/null

@@ -13,6 +13,7 @@ maker()
     sed -n 's/.*: worker \([0-9]*\) makes the plan$/\1/p' "$scratch/daemon.log" | tail -n 1
 }
 is_told() { [ "$(told)" = "$1" ]; }
+stub_method() { sqlite3 "$scratch/state/queue.db" 'SELECT text FROM plan LIMIT 1' | jq -r .quality.method; }
 both_begin() { [ "$(field "$1" .running)" = 2 ]; }
 
 # Of two workers one makes the plan, and the other waits; when the first is killed, the other makes it.
@@ -43,6 +44,11 @@ expect "plans after a restart" "$(made) $(told) $(kept)" "1 2 1|1"
 id=$(submit "$(job 0-5 ".output.path = \"d/d.####.exr\" | .camera.fov = 51 | $tolerant")")
 wait_state "$id" succeeded
 expect "plans of two scenes" "$(made) $(told) $(kept)" "2 3 2|2"
+told_plans() { ask job.plans "$1" | jq -c '[.result.plans[] | [.number, .quality.method, (.why | type), (.scouts | type)]]'; }
+expect "plans that clients are told" "$(told_plans "{\"id\":$id}") $(told_plans '{"id":1}')" \
+    "[[2,\"$(stub_method)\",\"string\",\"array\"]] [[1,\"$(stub_method)\",\"string\",\"array\"]]"
+expect_error "$(ask job.plans "{\"id\":$id,\"limit\":1001}")" -32602 "params.limit: expected an integer from 1 to 1000, got 1001"
+expect_error "$(ask job.plans '{"id":9999}')" 1 "there is no such job"
 stop_daemon
 
 # A plan is checked as the job's quality would be, and nobody sends one that was not asked for.

@@ -115,6 +115,7 @@ R job.list
 R job.show {"id":$job}
 R job.frames {"id":$job}
 R job.frame_map {"id":$job}
+R job.plans {"id":$job}
 R job.log {"id":$job}
 S job.pause {"id":$job}
 S job.resume {"id":1000}
