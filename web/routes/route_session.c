@@ -43,8 +43,8 @@ static void ask_first(struct http_request *request, const char *token)
     char *page =
         xasprintf("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
                   "<meta name=\"viewport\" content=\"width=device-width\"><title>marchd</title>"
-                  "<link rel=\"stylesheet\" href=\"/page/page.css\"></head>"
-                  "<body><main><h1>marchd</h1><p>Did you ask for this by <code>march web</code>?</p>"
+                  "<link rel=\"icon\" href=\"/page/icon.svg\"><link rel=\"stylesheet\" href=\"/page/page.css\">"
+                  "</head><body><main><h1>marchd</h1><p>Did you ask for this by <code>march web</code>?</p>"
                   "<p><a id=\"sign-in\" href=\"/?token=%s\">Sign in to the farm</a></p></main></body></html>\n",
                   token);
 
