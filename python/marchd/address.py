@@ -10,8 +10,6 @@ from urllib.parse import urlsplit
 from .errors import ConnectionLost, FarmError
 from .websocket import WebSocket
 
-LINE_LIMIT = 256 * 1024 * 1024
-
 
 class Framing(Protocol):
     """Messages as bytes. `opening` is sent first; nothing else is before `is_open`."""
@@ -45,7 +43,7 @@ class Lines:
             return []
         whole = b"".join([*self._parts, head])
         self._parts = [rest]
-        return [line.decode() for line in whole.split(b"\n")]
+        return [line.decode(errors="replace") for line in whole.split(b"\n")]
 
     def take_replies(self) -> bytes:
         return b""

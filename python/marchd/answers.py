@@ -187,6 +187,20 @@ class Attempt(Answer):
 
 
 @dataclass(frozen=True)
+class Plan(Answer):
+    """How the frames of a segment are rendered."""
+
+    # frames name it as their plan
+    number: int
+    # as a job would state it, of frames that are not refined
+    quality: dict[str, Any]
+    # why this one
+    why: str
+    # its relative RMSE in frames that lie evenly over the segment
+    scouts: list[float]
+
+
+@dataclass(frozen=True)
 class Root(Answer):
     """An output root of the settings or of a job."""
 
@@ -657,6 +671,14 @@ class JobFrameMap(Answer):
 
 
 @dataclass(frozen=True)
+class JobPlans(Answer):
+    """The result of job.plans."""
+
+    # those of its owner for equal pictures, the newest first
+    plans: list[Plan]
+
+
+@dataclass(frozen=True)
 class JobLog(Answer):
     """The result of job.log."""
 
@@ -740,6 +762,7 @@ __all__ = [
     "JobFrames",
     "JobList",
     "JobLog",
+    "JobPlans",
     "JobRetry",
     "JobShow",
     "JobSubmit",
@@ -748,6 +771,7 @@ __all__ = [
     "Notice",
     "NotifyPending",
     "PhaseEvent",
+    "Plan",
     "Root",
     "Sample",
     "Store",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import ssl
 import time
@@ -110,16 +109,14 @@ class Link:
     async def _receive(self) -> None:
         try:
             while True:
-                answer = json.loads(await self._channel.receive())
-                if answer["id"] is None:
+                answer = calls.decode(await self._channel.receive())
+                if answer.get("id") is None and "error" in answer:
                     raise ConnectionLost(f"the farm ended the connection: {answer['error']['message']}")
-                future = self._waiting.pop(answer["id"], None)
+                future = self._waiting.pop(answer.get("id", 0), None)
                 if future and not future.done():
                     future.set_result(answer)
         except errors.FarmError as error:
             self.lost = error
-        except Exception as error:
-            self.lost = ConnectionLost(f"the farm does not keep the protocol: {error!r}")
         for future in self._waiting.values():
             if not future.done():
                 future.set_exception(self._why())
@@ -225,6 +222,9 @@ class AsyncFarm:
                 yield frame
             if (cursor := page.next) is None:
                 return
+
+    async def frame_map(self, number: int, offset: int = 0) -> answers.JobFrameMap:
+        return await self._do(calls.frame_map(number, offset))
 
     async def log(self, number: int, frame: int | None = None, limit: int | None = None) -> list[answers.Attempt]:
         return await self._do(calls.log(number, frame, limit))

@@ -38,7 +38,27 @@ class Call(Generic[T]):
     def take(self, answer: Mapping[str, Any]) -> T:
         if "error" in answer:
             raise errors.of_answer(self.method, answer["error"]["code"], answer["error"]["message"])
-        return self.read(answer["result"])
+        try:
+            return self.read(answer["result"])
+        except (KeyError, TypeError) as error:
+            text = f"{self.method}: the farm answers otherwise than this client expects: {error}"
+            raise errors.FarmError(text) from error
+
+
+def decode(text: str) -> dict[str, Any]:
+    """A message of the daemon: an answer has an id, and a result or an error; a notification a method and params."""
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        message = None
+    if isinstance(message, dict):
+        error = message.get("error", {"code": 0, "message": ""})
+        is_answer = "id" in message and ("result" in message or "error" in message)
+        is_told = isinstance(message.get("params"), dict) and isinstance(message["params"].get("type"), str)
+        is_right = is_told if "method" in message else is_answer
+        if is_right and isinstance(error, dict) and {"code", "message"} <= error.keys():
+            return message
+    raise errors.ConnectionLost(f"the farm does not keep the protocol: {text:.200}")
 
 
 def _given(**params: Any) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import threading
 import time
@@ -103,6 +102,10 @@ class Farm:
             yield from page.frames
             if (cursor := page.next) is None:
                 return
+
+    def frame_map(self, number: int, offset: int = 0) -> answers.JobFrameMap:
+        """The states, seconds and errors of up to 50,000 frames in short, from the frame at `offset` on."""
+        return self._do(calls.frame_map(number, offset))
 
     def log(self, number: int, frame: int | None = None, limit: int | None = None) -> list[answers.Attempt]:
         """Attempts that failed or were lost, the newest first; of one frame, or of all."""
@@ -210,10 +213,10 @@ class Farm:
         self._number += 1
         channel.send(call.encode(self._number))
         while True:
-            answer = json.loads(channel.receive() or "null")
-            if answer["id"] == self._number:
+            answer = calls.decode(channel.receive() or "")
+            if answer.get("id") == self._number:
                 return call.take(answer)
-            if answer["id"] is None:
+            if "error" in answer:
                 raise errors.of_answer(call.method, answer["error"]["code"], answer["error"]["message"])
 
     def _do(self, call: Call[T]) -> T:

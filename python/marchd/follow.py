@@ -4,7 +4,6 @@ The first events tell each job as it is, also after a connection was lost: no en
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -66,7 +65,7 @@ class Follower:
 
     def take(self, text: str) -> list[Event]:
         """What a message means. An error that ends the following is raised."""
-        message = json.loads(text)
+        message = calls.decode(text)
         if "method" in message:
             return self._take_event(message["params"])
         call = self._asked.pop(message["id"], None)
@@ -107,7 +106,10 @@ class Follower:
         kind = _KINDS.get(params["type"])
         if kind is None:
             return []  # of a later daemon
-        event: answers.Event = kind.from_json(params)
+        try:
+            event: answers.Event = kind.from_json(params)
+        except TypeError as error:
+            raise errors.FarmError(f"the farm tells otherwise than this client expects: {error}") from error
         if isinstance(event, answers.WorkerEvent):
             return [event] if self._workers else []
         number = event.job.id if isinstance(event, answers.JobEvent) else event.id

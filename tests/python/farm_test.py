@@ -39,6 +39,7 @@ class Methods(FarmCase):
         self.assertEqual([frame.frame for frame in frames], list(range(1, 2501)))
         self.assertTrue(all(frame.path and os.path.exists(frame.path) for frame in frames))
         self.assertEqual([frame.frame for frame in farm.frames(number, "succeeded", "7,9-10")], [7, 9, 10])
+        self.assertEqual(farm.frame_map(number, 2498).states, "ss")
         self.assertEqual(farm.retry(number, ["succeeded"], "5", force=True), 1)
         self.assertEqual(farm.wait(number, PATIENCE_S).succeeded, 2500)
         shown = farm.job(number)

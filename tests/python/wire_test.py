@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import unittest
+from random import Random
 from typing import Any
 from unittest import mock
 
@@ -79,6 +80,36 @@ class WebSockets(unittest.TestCase):
         for head in (b"HTTP/1.1 200 OK\r\n", b"SSH-2.0\r\n", b"HTTP/1.1 101 S\r\n" + accept, b"x" * 70000):
             with self.assertRaises(errors.ConnectionLost, msg=head):
                 WebSocket("farm", "/ws", {}).feed(head + (b"\r\n" if head[0] != ord("x") else b""))
+
+
+    def test_random_bytes_end_in_messages_or_in_an_error(self) -> None:
+        random = Random(18)
+        samples = [b"\x81\x05Hello", b"\x01\x03Hel\x80\x02lo", b"\x81\x7e\x01\x00" + b"x" * 256, b"\x89\x01a"]
+        counts = [0, 0]
+        for _ in range(3000):
+            data = bytearray(b"".join(random.choices(samples, k=3)))
+            for _ in range(random.randrange(4)):
+                data[random.randrange(len(data))] = random.randrange(256)
+            try:
+                counts[0] += len(told(bytes(data)))
+            except errors.FarmError:
+                counts[1] += 1
+        self.assertGreater(min(counts), 100)
+
+
+class Messages(unittest.TestCase):
+    def test_what_is_no_message_ends_the_connection(self) -> None:
+        answers_without = ['{"id":1}', '{"id":1,"error":1}', '{"id":1,"error":{"code":1}}', "{}"]
+        events_without = ['{"method":"event"}', '{"method":"event","params":{}}']
+        for text in ["", "nonsense", "[]", "null", "1", "[" * 100000, *answers_without, *events_without]:
+            with self.assertRaises(errors.ConnectionLost, msg=text[:20]):
+                calls.decode(text)
+        with self.assertRaises(errors.FarmError):
+            calls.status().take({"id": 1, "result": {}})
+        with self.assertRaises(errors.FarmError):
+            calls.submit({}, False).take({"id": 1, "result": None})
+        with self.assertRaises(errors.FarmError):
+            follow.Follower(None, True, True, None).take('{"method":"event","params":{"type":"job"}}')
 
 
 class Lines(unittest.TestCase):
