@@ -21,9 +21,9 @@ enum { ANY = 1 << 20 };
 
 // The verbs that ask a daemon come first.
 static const struct command commands[] = {
-    {"submit", "JOB", 1, 1,
-     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(RECONNECT) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) |
-         BIT(PRIORITY) | BIT(POOL) | BIT(NOTIFY),
+    {"submit", "JOB...", 1, ANY,
+     DAEMON | BIT(AFTER) | BIT(CHAIN) | BIT(WAIT) | BIT(WATCH) | BIT(RECONNECT) | BIT(DRY_RUN) | FRAMES | BIT(SET) |
+         BIT(DRAFT) | BIT(PAUSED) | BIT(PRIORITY) | BIT(POOL) | BIT(NOTIFY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
      "march submit --watch --frames 0-99 jobs/cloud.json", command_submit},
     {"list", "", 0, 0, DAEMON | BIT(STATE) | BIT(OWNER) | BIT(NAME) | BIT(SINCE) | BIT(LIMIT), "Lists the jobs.",

@@ -61,6 +61,8 @@ enum option {
     OPTION_EXPIRES,
     OPTION_URL,
     OPTION_PRINT,
+    OPTION_AFTER,
+    OPTION_CHAIN,
     OPTION_COUNT
 };
 
@@ -68,9 +70,10 @@ enum option {
 
 // Strings are borrowed from argv; `range` is a valid frame range. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes, nodes, print;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes, nodes, print,
+        chain;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
-        *plan_of, *preview, *owner, *pool, *name, *scope, *expires, *url;
+        *plan_of, *preview, *owner, *pool, *name, *scope, *expires, *url, *after;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s,
         limit, since_s, over_s; // unix times
     double exposure, fps, tolerance;

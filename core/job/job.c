@@ -9,6 +9,7 @@ void job_finish(struct job *job)
     free(job->pool);
     job_notes_finish(&job->notes);
     job_notify_finish(&job->notify);
+    job_after_finish(&job->after);
     frame_range_finish(&job->frames);
     scene_finish(&job->scene);
     output_path_finish(&job->output.path);

@@ -5,6 +5,7 @@
 #include "core/base/hash.h"
 #include "core/job/frame_order.h"
 #include "core/job/frame_range.h"
+#include "core/job/job_after.h"
 #include "core/job/job_notes.h"
 #include "core/job/job_notify.h"
 #include "core/job/output_path.h"
@@ -139,6 +140,7 @@ struct job {
     char *name; // owned
     struct job_notes notes;
     struct job_notify notify;
+    struct job_after after;
     struct frame_range frames;
     int64_t fps_numerator, fps_denominator; // in lowest terms, each up to 1e9
     double time_offset;                     // s

@@ -175,10 +175,10 @@ static bool read_output(struct job_output *output, const struct json_node *docum
 
 static bool read_job(struct job *job, const struct json_node *document, const char *output_root, struct error *error)
 {
-    static const char *const keys[] = {"version",    "name",    "frames",   "fps",        "time_offset",
-                                       "resolution", "camera",  "lights",   "background", "scene",
-                                       "quality",    "output",  "priority", "order",      "frame_limit",
-                                       "pool",       "comment", "tags",     "notify",     NULL};
+    static const char *const keys[] = {"version",  "name",   "frames",      "fps",   "time_offset", "resolution",
+                                       "camera",   "lights", "background",  "scene", "quality",     "output",
+                                       "priority", "order",  "frame_limit", "pool",  "after",       "comment",
+                                       "tags",     "notify", NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
     struct scene_times times;
 
@@ -189,8 +189,8 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
     if (!json_node_is_absent(&time_offset) &&
         !json_read_number(&time_offset, -TIME_MAX, TIME_MAX, &job->time_offset, error))
         return false;
-    if (!schedule_from_json(job, document, error) || !job_notes_from_json(&job->notes, document, error) ||
-        !job_notify_from_json(&job->notify, document, error))
+    if (!schedule_from_json(job, document, error) || !job_after_from_json(&job->after, document, error) ||
+        !job_notes_from_json(&job->notes, document, error) || !job_notify_from_json(&job->notify, document, error))
         return false;
     times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
     return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&

@@ -16,6 +16,7 @@
 
 #include <uv.h>
 
+struct after_desk;
 struct committer;
 struct error;
 struct events;
@@ -62,6 +63,7 @@ struct farm {
     struct worker_pool *pool;
     struct events *events;
     struct output_claim *claims;        // list: files of jobs being submitted or deleted
+    struct after_desk *after;           // jobs that come after others
     struct job_delete *deletions;       // list: deletions that are not done
     struct job_submit *waiting_submits; // list: submissions that wait until canceled jobs have left their files
     struct job_retry *waiting_retries;  // list: retries that wait until their job is swept, or for another

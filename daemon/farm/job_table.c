@@ -14,6 +14,8 @@ static void record_destroy(struct job_record *record)
     free(record->owner);
     job_notes_finish(&record->notes);
     job_notify_finish(&record->notify);
+    job_after_finish(&record->after);
+    free(record->waiters);
     free(record->root);
     free(record->reason);
     free(record->intents);
@@ -169,6 +171,7 @@ struct store_op job_record_format_op(const struct job_record *record)
                 .is_paused = queued->is_paused,
                 .is_canceled = queued->is_canceled,
                 .is_failed = queued->is_failed,
+                .waits = record->waits,
                 .submitted_ms = record->submitted_ms,
                 .started_ms = record->started_ms,
                 .finished_ms = record->is_swept ? finished_ms : 0,

@@ -6,6 +6,7 @@
 #include "core/job/frame_set.h"
 #include "core/job/input_roots.h"
 #include "core/job/job.h"
+#include "core/job/job_after.h"
 #include "core/job/job_notes.h"
 #include "core/job/job_notify.h"
 #include "core/job/output_path.h"
@@ -47,6 +48,9 @@ struct job_record {
     char *name, *owner;       // owned
     struct job_notes notes;
     struct job_notify notify;
+    struct job_after after; // the jobs that it comes after
+    int64_t *waiters;       // owned; ids of jobs that come after it; some may be gone
+    size_t waiter_count, waiter_capacity;
     int64_t owner_uid;
     char *root;                                    // owned; output root below which it was accepted
     struct root *output_root;                      // borrowed from the farm; `root` is its path
@@ -69,6 +73,7 @@ struct job_record {
     size_t intent_count, intent_capacity;
     struct notice_told told[NOTICE_CAUSE_COUNT]; // by enum notice_cause
     bool is_end_told;                            // the notice of its end is stored, as far as somebody wants it
+    int told_waiters;                            // its state when they were looked at last
     int frames_in_flight;                        // frames that workers hold or that are being published
     int failed_starts;                           // consecutive workers for it that ended before they were ready
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
@@ -77,6 +82,7 @@ struct job_record {
     bool needs_sweep;                        // part files may be left: of a root that was away, of a lost node
     bool needs_own_worker;                   // a frame of it failed in a worker that was started for another job
     int holds;                               // users that keep it alive after its removal
+    bool waits;                              // for those that it comes after
     bool is_unreadable;                      // its document cannot be read: it is shown, and can be deleted
     bool is_removed;                         // from the table
     bool is_deleting;                        // a deletion is under way

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/job_delete.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/work_desk.h"
@@ -92,10 +93,11 @@ void job_ageing_run(struct job_ageing *ageing)
 }
 
 // Over, with nothing left to be done for it, and nobody needs it.
-static bool may_leave(const struct job_record *record)
+static bool may_leave(const struct farm *farm, const struct job_record *record)
 {
     return !queue_job_is_live(record->queued) && record->is_swept && !record->is_sweeping && !record->needs_sweep &&
-           record->frames_in_flight == 0 && !record->is_deleting && !record->is_retry_waiting && !record->is_retrying;
+           record->frames_in_flight == 0 && !record->is_deleting && !record->is_retry_waiting && !record->is_retrying &&
+           !after_desk_is_needed(farm, record);
 }
 
 static void note_job(struct job_ageing *ageing, const struct job_record *record)
@@ -113,7 +115,7 @@ static bool on_look_step(struct loop_task *task)
 
     if (ageing->is_stopped) return false;
     for (; i < jobs->count && i < end; i++) {
-        if (may_leave(jobs->records[i])) note_job(ageing, jobs->records[i]);
+        if (may_leave(ageing->farm, jobs->records[i])) note_job(ageing, jobs->records[i]);
         ageing->next_id = jobs->records[i]->id + 1;
     }
     if (i < jobs->count) return true;
@@ -148,7 +150,7 @@ static struct job_record *find_next(struct job_ageing *ageing, const char **rule
         struct job_record *record = job_table_find(&ageing->farm->jobs, ageing->jobs[ageing->next].id);
 
         *rule = keep_rule_of(&ageing->choice, ageing->next++);
-        if (record && may_leave(record)) return record;
+        if (record && may_leave(ageing->farm, record)) return record;
     }
     return NULL;
 }

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/workers/worker_pool.h"
@@ -45,7 +46,13 @@ void job_change_pause(struct farm *farm, struct job_record *record, const char *
 
 void job_change_resume(struct farm *farm, struct job_record *record, const char *user)
 {
-    if (!record->queued->is_paused) return;
+    if (!record->queued->is_paused) {
+        if (!record->waits) return;
+        after_desk_release(farm, record);
+        log_change_by(record, "waits for no other job: resumed", user);
+        job_life_note_change(farm, record);
+        return;
+    }
     queue_resume(farm->queue, record->queued);
     job_record_set_reason(record, NULL);
     log_change_by(record, "resumed", user);

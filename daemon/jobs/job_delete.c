@@ -8,6 +8,7 @@
 #include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/delete_parts.h"
 #include "daemon/jobs/events.h"
 #include "daemon/output/file_remover.h"
@@ -234,6 +235,7 @@ static void on_committed(void *user, bool ok, const struct error *error)
         return;
     }
     tell(deletion);
+    after_desk_forget(farm, record);
     limits_forget_job(record);
     queue_remove_job(farm->queue, record->queued);
     record->queued = NULL;

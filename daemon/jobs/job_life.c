@@ -5,6 +5,7 @@
 #include "core/base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/frame_metrics.h"
 #include "daemon/jobs/notice_watch.h"
@@ -55,6 +56,7 @@ void job_life_note_change(struct farm *farm, struct job_record *record)
     note_service(record);
     if (!is_live && record->finished_ms == 0) record->finished_ms = farm_clock_ms();
     if (!is_live && record->frames_in_flight == 0 && !record->is_ending) end_job(farm, record);
+    after_desk_note_change(farm, record);
     events_note_job(farm->events, record);
 }
 

@@ -6,6 +6,7 @@
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/pool_access.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/schedule/eta.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -102,6 +103,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
 
     if (store_trouble) return xstrdup(store_trouble);
     if (record->queued->states.counts[FRAME_QUEUED] == 0) return NULL;
+    if (record->queued->wait == QUEUE_WAITS) return after_desk_format_reason(farm, record);
     if (farm->drain.user) return farm_format_drain(farm);
     if (record->queued->states.counts[FRAME_RUNNING] > 0) return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
@@ -129,7 +131,8 @@ static char *format_reason(const struct farm *farm, const struct job_record *rec
         if (queued->states.missed_count == 0) return NULL;
         return xasprintf("%lld of its frames missed the tolerance", (long long)queued->states.missed_count);
     case JOB_PAUSED:
-        if (!queued->is_paused) return root_format_reason(record->output_root);
+        if (!queued->is_paused && queued->block == QUEUE_AWAY) return root_format_reason(record->output_root);
+        if (!queued->is_paused) return after_desk_format_reason(farm, record);
         return record->reason ? xstrdup(record->reason) : NULL;
     case JOB_CANCELED:
         return record->reason ? xstrdup(record->reason) : NULL;
@@ -220,7 +223,8 @@ static void write_pace(const struct farm *farm, struct job_record *record, struc
     double eta_s = find_eta_s(farm, record);
 
     json_write_number_member(writer, "seconds_per_frame", median_s > 0 ? median_s : NAN);
-    json_write_number_member(writer, "eta_s", queue_job_is_live(queued) && eta_s >= 0 ? eta_s : NAN);
+    json_write_number_member(writer, "eta_s",
+                             queue_job_is_live(queued) && queued->wait == QUEUE_WAITS_NOT && eta_s >= 0 ? eta_s : NAN);
 }
 
 void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer)
@@ -240,6 +244,15 @@ static void write_accuracy(const struct job_record *record, struct json_writer *
     json_write_string_member(writer, "method", latest->method[0] ? latest->method : stated);
     json_write_number_member(writer, "measured_error", latest->error > 0 ? latest->error : NAN);
     json_write_number_member(writer, "error95", latest->error95 > 0 ? latest->error95 : NAN);
+}
+
+static void write_after(const struct job_record *record, struct json_writer *writer)
+{
+    json_write_key(writer, "after");
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < record->after.count && record->waits; i++)
+        json_write_integer(writer, record->after.ids[i]);
+    json_write_end_array(writer);
 }
 
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
@@ -267,6 +280,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     write_pace(farm, record, writer);
     job_view_write_phase(frame ? frame->phase : FRAME_PHASE_NONE, frame ? frame->phase_progress : -1.0, writer);
     json_write_string_member(writer, "reason", reason);
+    write_after(record, writer);
     job_notes_write_members(&record->notes, writer);
     free(range);
     free(reason);

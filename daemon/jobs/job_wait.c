@@ -10,7 +10,7 @@ const char *const job_wait_names[JOB_WAIT_COUNT] = {
     [JOB_WAIT_NONE] = "none",     [JOB_WAIT_SERVED] = "served", [JOB_WAIT_TURN] = "turn",
     [JOB_WAIT_WORKER] = "worker", [JOB_WAIT_POOL] = "pool",     [JOB_WAIT_OUTPUT] = "output",
     [JOB_WAIT_ROOT] = "root",     [JOB_WAIT_PAUSED] = "paused", [JOB_WAIT_DRAINED] = "drained",
-    [JOB_WAIT_STORE] = "store",
+    [JOB_WAIT_STORE] = "store",   [JOB_WAIT_JOBS] = "jobs",
 };
 
 struct job_wait_scene job_wait_look(const struct farm *farm)
@@ -33,6 +33,7 @@ enum job_wait job_wait_find(const struct job_wait_scene *scene, const struct job
     if (queued->states.counts[FRAME_QUEUED] == 0 || !queue_job_is_live(queued)) return JOB_WAIT_NONE;
     if (queued->is_paused) return JOB_WAIT_PAUSED;
     if (queued->block == QUEUE_AWAY) return JOB_WAIT_ROOT;
+    if (queued->wait != QUEUE_WAITS_NOT) return JOB_WAIT_JOBS;
     if (committer_trouble(scene->farm->committer)) return JOB_WAIT_STORE;
     if (scene->farm->drain.user) return JOB_WAIT_DRAINED;
     if (queued->states.counts[FRAME_RUNNING] > 0) return JOB_WAIT_SERVED;

@@ -16,6 +16,7 @@ enum job_wait {
     JOB_WAIT_OUTPUT, // whether its output can be written is looked at
     JOB_WAIT_ROOT,   // its output root is not there
     JOB_WAIT_PAUSED,
+    JOB_WAIT_JOBS, // it comes after others
     JOB_WAIT_DRAINED,
     JOB_WAIT_STORE, // the store takes nothing
     JOB_WAIT_COUNT

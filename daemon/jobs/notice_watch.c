@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/jobs/notices.h"
 #include "daemon/store/committer.h"
@@ -51,13 +52,15 @@ static char *find_why(const struct farm *farm, const struct job_record *record, 
     if (!queue_job_is_live(queued)) return NULL;
     switch (cause) {
     case NOTICE_HELD:
+        if (!queued->is_paused && queued->wait == QUEUE_WAITS_IN_VAIN) return after_desk_format_reason(farm, record);
         if (!queued->is_paused || !record->reason || strncmp(record->reason, by_fault, strlen(by_fault)) != 0)
             return NULL;
         return xstrdup(record->reason);
     case NOTICE_ROOT:
         return !queued->is_paused && queued->block == QUEUE_AWAY ? root_format_reason(record->output_root) : NULL;
     default:
-        if (queued->is_paused || queued->block != QUEUE_OPEN || farm->drain.user || committer_trouble(farm->committer))
+        if (queued->is_paused || queued->block != QUEUE_OPEN || queued->wait != QUEUE_WAITS_NOT || farm->drain.user ||
+            committer_trouble(farm->committer))
             return NULL;
         if (queued->states.counts[FRAME_QUEUED] == 0 || queued->states.counts[FRAME_RUNNING] > 0) return NULL;
         return job_view_format_lack(farm, record);

@@ -16,6 +16,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_desks.h"
 #include "daemon/jobs/root_life.h"
@@ -49,6 +50,7 @@ struct job_submit {
     char *code, *pool;         // owned; as in struct job_record
     struct job_notes notes;    // owned, until the record has them
     struct job_notify notify;  // likewise
+    struct job_after after;    // likewise
     struct job_facts facts;
     struct frame_order order;
     struct quota_user *user;    // borrowed; the owner
@@ -81,6 +83,7 @@ static void submit_destroy(struct job_submit *submit)
     job_inputs_finish(&submit->inputs);
     job_notes_finish(&submit->notes);
     job_notify_finish(&submit->notify);
+    job_after_finish(&submit->after);
     free(submit->code);
     free(submit->pool);
     output_older_finish(&submit->older);
@@ -238,6 +241,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     job->notes = (struct job_notes){0};
     submit->notify = job->notify;
     job->notify = (struct job_notify){0};
+    submit->after = job_after_take(&job->after);
+    submit->row.waits = submit->after.count > 0;
     job->frames = (struct frame_range){0};
     job->output.path = (struct output_path){0};
     return submit;
@@ -307,7 +312,7 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     if (!output_root || !request_may_have_priority(request, job->priority) ||
         !submit_checks_folder(request, job, reading->root) || !find_inputs(request, &reading->paths, &inputs))
         return false;
-    if (!submit_checks_targets(request, job) || !check_limits(request, job) ||
+    if (!submit_checks_targets(request, job) || !submit_checks_after(request, job) || !check_limits(request, job) ||
         !check_collisions(request, job, reading->root)) {
         job_inputs_finish(&inputs);
         return false;
@@ -439,6 +444,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
                                                                            .priority = row->priority,
                                                                            .barred = barred,
                                                                            .is_paused = row->is_paused,
+                                                                           .waits = row->waits,
                                                                            .order = &submit->order});
     shares_set_weight(farm, row->owner_uid, record->owner);
     record->sent_state = JOB_STATE_COUNT;
@@ -449,6 +455,8 @@ static struct job_record *queue_submit(struct job_submit *submit)
     submit->notes = (struct job_notes){0};
     record->notify = submit->notify;
     submit->notify = (struct job_notify){0};
+    record->after = job_after_take(&submit->after);
+    record->waits = row->waits;
     submit->code = submit->pool = NULL;
     return record;
 }
@@ -487,5 +495,6 @@ static void on_committed(void *user, bool ok, const struct error *error)
     json_writer_finish(&value);
     submit_destroy(submit);
     farm_want_feed(farm);
+    if (record->waits) after_desk_add(farm, record);
     job_life_note_change(farm, record);
 }

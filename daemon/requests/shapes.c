@@ -38,6 +38,7 @@ static const struct member job_members[] = {
     {"phase", "string?", .meaning = "of the frame whose phase is the furthest", .names = frame_phase_names + 1},
     {"phase_progress", "number?", .meaning = "how much of that phase is done, from 0 to 1"},
     {"reason", "string?", .meaning = "why it waits, or failed"},
+    {"after", "integer[]", .meaning = "jobs that it waits for; none: it waits for no job"},
     {"comment", "string?", .meaning = "as the document has it"},
     {"tags", "string[]", .meaning = "as the document has them"},
     {0},

@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/requests/request.h"
 
 bool submit_checks_peer(struct request *request)
@@ -24,6 +25,12 @@ bool submit_checks_folder(struct request *request, const struct job *job, const 
         "for administrators",
         root);
     return false;
+}
+
+bool submit_checks_after(struct request *request, const struct job *job)
+{
+    request->code = MESSAGE_CODE_NOT_FOUND;
+    return after_desk_check(request->farm, &job->after, &request->error);
 }
 
 bool submit_checks_targets(struct request *request, const struct job *job)

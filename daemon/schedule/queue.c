@@ -95,8 +95,8 @@ struct queue_job *queue_first_job(const struct queue *queue)
 
 static bool is_ready(const struct queue_job *job)
 {
-    return job->states.counts[FRAME_QUEUED] > 0 && !job->is_paused && job->block == QUEUE_OPEN && !job->is_canceled &&
-           !job->is_failed;
+    return job->states.counts[FRAME_QUEUED] > 0 && !job->is_paused && job->block == QUEUE_OPEN &&
+           job->wait == QUEUE_WAITS_NOT && !job->is_canceled && !job->is_failed;
 }
 
 static bool comes_before(const struct queue_job *a, const struct queue_job *b)
@@ -158,6 +158,7 @@ struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_para
                               .frames = *params->frames,
                               .priority = params->priority,
                               .is_paused = params->is_paused,
+                              .wait = params->waits ? QUEUE_WAITS : QUEUE_WAITS_NOT,
                               .queue = queue};
     *params->frames = (struct frame_range){0};
     if (params->order) job->order = *params->order;
@@ -205,7 +206,7 @@ enum job_state queue_job_state(const struct queue_job *job)
         if (job->states.counts[FRAME_FAILED] > 0) return JOB_FAILED;
         return job->states.counts[FRAME_CANCELED] > 0 ? JOB_CANCELED : JOB_SUCCEEDED;
     }
-    if (job->is_paused || job->block == QUEUE_AWAY) return JOB_PAUSED;
+    if (job->is_paused || job->block == QUEUE_AWAY || job->wait == QUEUE_WAITS_IN_VAIN) return JOB_PAUSED;
     return job->has_started ? JOB_RUNNING : JOB_QUEUED;
 }
 
@@ -385,6 +386,12 @@ bool queue_has_frame_to_cancel(const struct queue_job *job)
 void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block)
 {
     job->block = block;
+    note_ready(job);
+}
+
+void queue_set_wait(struct queue_job *job, enum queue_wait wait)
+{
+    job->wait = wait;
     note_ready(job);
 }
 

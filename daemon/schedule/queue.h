@@ -27,6 +27,13 @@ enum queue_block {
     QUEUE_AWAY      // its output root is not there: the job is paused
 };
 
+// Whether a job comes after others.
+enum queue_wait {
+    QUEUE_WAITS_NOT,
+    QUEUE_WAITS,        // until they are over: it is queued
+    QUEUE_WAITS_IN_VAIN // one of them did not succeed: it is paused
+};
+
 struct queue_job {
     int64_t id;
     struct turns_job turn;      // its owner, and whether it has frames to take
@@ -35,6 +42,7 @@ struct queue_job {
     int priority;
     bool is_paused;
     enum queue_block block;
+    enum queue_wait wait;
     bool is_canceled;
     bool is_failed;                    // by a fault of the job itself
     bool has_started;                  // a frame was taken since all were queued; the caller sets it for a restored job
@@ -66,6 +74,7 @@ struct queue_job_params {
     int priority;
     uint64_t barred; // as in struct turns_job
     bool is_paused;
+    bool waits;                      // QUEUE_WAITS
     const struct frame_order *order; // copied; NULL: as written
 };
 
@@ -114,6 +123,7 @@ void queue_resume(struct queue *queue, struct queue_job *job);
 // Whether queue_cancel would cancel a frame: not when all that are not over are being published.
 bool queue_has_frame_to_cancel(const struct queue_job *job);
 void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block);
+void queue_set_wait(struct queue_job *job, enum queue_wait wait);
 // Queued and running frames become canceled: tickets of running frames own them no more, and the caller stops the
 // workers. Frames that are being published may still succeed. Does nothing to a job that is not live.
 void queue_cancel(struct queue *queue, struct queue_job *job);

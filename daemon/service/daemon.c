@@ -9,6 +9,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/frame_life.h"
@@ -165,6 +166,7 @@ static void start(struct daemon *daemon)
     uv_prepare_start(&daemon->iteration, on_iteration);
     worker_pool_start(daemon->farm.pool);
     restore_end_jobs(&daemon->farm);
+    after_desk_start(daemon->farm.after);
     farm_want_feed(&daemon->farm);
     log_info("marchd %s: jobs: %zu; frames: %lld queued; output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
              (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
@@ -209,6 +211,7 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     farm->metrics = xcalloc(1, sizeof *farm->metrics);
     farm->started_ms = farm_clock_ms();
     farm->rights.daemon_uid = geteuid();
+    farm->after = after_desk_create(farm);
     farm->reload = on_reload_request;
     farm->reload_user = daemon;
     if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
@@ -240,6 +243,7 @@ void daemon_destroy(struct daemon *daemon)
     worker_pool_destroy(farm->pool);
     root_watch_destroy(daemon->roots);
     job_ageing_destroy(daemon->ageing);
+    after_desk_destroy(farm->after);
     events_destroy(farm->events);
     sweeper_destroy(farm->sweeper);
     publisher_destroy(farm->checker);

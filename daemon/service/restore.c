@@ -13,6 +13,7 @@
 #include "daemon/farm/pool_access.h"
 #include "daemon/farm/shares.h"
 #include "daemon/farm/token_book.h"
+#include "daemon/jobs/after_desk.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/notices.h"
 #include "daemon/jobs/root_life.h"
@@ -94,6 +95,8 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     job.notes = (struct job_notes){0};
     record->notify = job.notify;
     job.notify = (struct job_notify){0};
+    record->after = job_after_take(&job.after);
+    record->waits = row->waits && record->after.count > 0;
     record->reason = copy_text(row->reason);
     job_paths_list(&record->inputs, &job);
     record->pool = copy_text(job.pool);
@@ -110,6 +113,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
                                                                            .frames = &job.frames,
                                                                            .priority = row->priority,
                                                                            .is_paused = row->is_paused,
+                                                                           .waits = record->waits,
                                                                            .order = &job.order});
     record->queued->has_started = row->started_ms != 0;
     record->restored_canceled = row->is_canceled;
@@ -211,6 +215,7 @@ static void restore_ends(struct farm *farm)
 
         queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
         root_life_note_job(farm, record);
+        if (record->waits) after_desk_add(farm, record);
         record->sent_state = queue_job_state(record->queued);
         limits_count_job(farm, record);
     }

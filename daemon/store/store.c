@@ -55,17 +55,17 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [BEGIN] = "BEGIN IMMEDIATE",
     [COMMIT] = "COMMIT",
     [PROBE] = "UPDATE daemon SET epoch = epoch + 1, sum = row_sum(epoch + 1, last_job_id, farm)",
-    [ADD_JOB] =
-        "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
-        " finished_ms, reason, name, owner, owner_uid, root, sum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11,"
-        " ?12, ?13, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13))",
+    [ADD_JOB] = "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
+                " finished_ms, reason, name, owner, owner_uid, root, waits, sum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, "
+                "?8, ?9, ?10,"
+                " ?11, ?12, ?13, ?14, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14))",
     [ADD_DOCUMENT] = "INSERT INTO document (job, text, sum) VALUES (?1, ?2, row_sum(?1, ?2))",
     [SET_JOB] =
         "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
         " started_ms = ?7, finished_ms = ?8, reason = ?9, name = coalesce(?10, name), owner = coalesce(?11, owner),"
-        " owner_uid = coalesce(?12, owner_uid), root = coalesce(?13, root),"
+        " owner_uid = coalesce(?12, owner_uid), root = coalesce(?13, root), waits = ?14,"
         " sum = row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, coalesce(?10, name), coalesce(?11, owner),"
-        " coalesce(?12, owner_uid), coalesce(?13, root)) WHERE id = ?1",
+        " coalesce(?12, owner_uid), coalesce(?13, root), ?14) WHERE id = ?1",
     [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ", sum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,"
                   " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,"
                   " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20))",
@@ -251,6 +251,8 @@ static void bind_job_rest(sqlite3_stmt *statement, const struct store_job *job)
     store_sql_bind_text(statement, 11, job->owner);
     sqlite3_bind_int64(statement, 12, job->owner_uid);
     store_sql_bind_text(statement, 13, job->root);
+    sqlite3_bind_null(statement, 14);
+    if (job->waits) sqlite3_bind_int(statement, 14, 1);
 }
 
 static bool add_job(struct store *store, const struct store_job *job, struct error *error)

@@ -35,9 +35,10 @@ static bool read_job(sqlite3_stmt *row, struct store_job *job, struct error *err
                               .owner = store_sql_text(row, 10),
                               .owner_uid = sqlite3_column_int64(row, 11),
                               .root = store_sql_text(row, 12),
-                              .document = store_sql_text(row, 13),
-                              .is_damaged = sqlite3_column_int(row, 14) == 0,
-                              .is_document_damaged = sqlite3_column_int(row, 15) == 0};
+                              .waits = sqlite3_column_int(row, 13) != 0,
+                              .document = store_sql_text(row, 14),
+                              .is_damaged = sqlite3_column_int(row, 15) == 0,
+                              .is_document_damaged = sqlite3_column_int(row, 16) == 0};
     if (job->is_damaged && (job->priority < 0 || job->priority >= QUEUE_PRIORITY_LIMIT)) job->priority = 0;
     if (job->id > 0 && job->priority >= 0 && job->priority < QUEUE_PRIORITY_LIMIT &&
         (job->document || job->is_document_damaged))

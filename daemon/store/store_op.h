@@ -45,6 +45,7 @@ struct store_job {
     int64_t owner_uid;
     int priority;
     bool is_paused, is_canceled, is_failed;
+    bool waits;                                    // for the jobs that its document names in `after`
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet; finished below 0: part files are left
     char *reason;                                  // owned; NULL: none
     char *root;                                    // owned; output root the job was accepted under

@@ -80,6 +80,8 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
            " body TEXT NOT NULL, sum INTEGER);"
            "CREATE TABLE told (job INTEGER NOT NULL, cause INTEGER NOT NULL, told_ms INTEGER NOT NULL,"
            " is_on INTEGER NOT NULL, sum INTEGER, PRIMARY KEY (job, cause)) WITHOUT ROWID;",
+    // 1 where the job comes after others that are not over; else NULL.
+    [12] = "ALTER TABLE job ADD COLUMN waits INTEGER;",
 };
 
 #define FILL(table, columns) "UPDATE " table " SET sum = row_sum(" columns ");"

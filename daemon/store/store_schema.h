@@ -10,8 +10,13 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 12 // a macro because SQL text holds it
-enum { STORE_SCHEMA_FIRST_WITH_SUMS = 9, STORE_SCHEMA_FIRST_WITH_TOKENS = 11, STORE_SCHEMA_FIRST_WITH_NOTICES = 12 };
+#define STORE_SCHEMA_VERSION 13 // a macro because SQL text holds it
+enum {
+    STORE_SCHEMA_FIRST_WITH_SUMS = 9,
+    STORE_SCHEMA_FIRST_WITH_TOKENS = 11,
+    STORE_SCHEMA_FIRST_WITH_NOTICES = 12,
+    STORE_SCHEMA_FIRST_WITH_WAITS = 13
+};
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
@@ -26,7 +31,8 @@ bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 
 // The columns of the other tables, in the order of their sums (store_sum.h). New columns come last.
 #define STORE_SCHEMA_DAEMON_COLUMNS "epoch, last_job_id, farm"
-#define STORE_SCHEMA_JOB_COLUMNS                                                                                       \
+#define STORE_SCHEMA_JOB_COLUMNS STORE_SCHEMA_JOB_FIRST_COLUMNS ", waits"
+#define STORE_SCHEMA_JOB_FIRST_COLUMNS                                                                                 \
     "id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason, name, owner, "    \
     "owner_uid, root"
 #define STORE_SCHEMA_DOCUMENT_COLUMNS "job, text"

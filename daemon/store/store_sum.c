@@ -8,6 +8,7 @@
 
 #include <sqlite3.h>
 #include <stdlib.h>
+#include <string.h>
 
 const struct store_table store_tables[] = {
     {"daemon", STORE_SCHEMA_DAEMON_COLUMNS, NULL, false, 9, "ids and epochs go on far above the last known"},
@@ -63,6 +64,14 @@ bool store_sum_register(sqlite3 *db, struct error *error)
     return false;
 }
 
+// The table of jobs has got a column since it has sums.
+static const char *columns_of(const struct store_table *table, int version)
+{
+    bool is_first = strcmp(table->name, "job") == 0 && version < STORE_SCHEMA_FIRST_WITH_WAITS;
+
+    return is_first ? STORE_SCHEMA_JOB_FIRST_COLUMNS : table->columns;
+}
+
 bool store_sum_count_damaged(sqlite3 *db, int version, int64_t *count, struct error *error)
 {
     bool ok;
@@ -75,7 +84,8 @@ bool store_sum_count_damaged(sqlite3 *db, int version, int64_t *count, struct er
         int64_t damaged = 0;
 
         if (table->first_version > version) continue;
-        sql = xasprintf("SELECT count(*) FROM %s WHERE sum IS NOT row_sum(%s)", table->name, table->columns);
+        sql =
+            xasprintf("SELECT count(*) FROM %s WHERE sum IS NOT row_sum(%s)", table->name, columns_of(table, version));
         ok = store_sql_read_integer(db, sql, &damaged, error);
         *count += damaged;
         free(sql);

@@ -176,6 +176,33 @@ wait "$waiter"
 grep -q "^job 5: canceled" waited || fail "wait tells the end after a restart"
 [ "$(grep -c "waiting up to 300 s for it to come back" waited_err)" -eq 1 ] || fail "wait says once that the daemon is gone"
 
+# Jobs that come after others: one by one, and as a chain. What was submitted before a refusal is told.
+expect 0 submit --paused --set frames=0 --set output.path=chain/a.####.exr
+before=$(cat out)
+expect 0 submit --after "$before" --set frames=0 --set output.path=chain/b.####.exr
+grep -q "; waits for job $before (\"cloud\")" err || fail "submit says what the job waits for: $(cat err)"
+expect 0 march cancel "$(cat out)"
+expect 2 submit --after 1,,2
+grep -q -- "--after: expected a job id such as 7" err || fail "a wrong --after"
+for name in c d e; do
+    jq ".output.path = \"chain/$name.####.exr\" | .frames = \"0\"" "$cloud" >"$name.json"
+done
+expect 2 march submit c.json d.json
+grep -q "expected one job, or --chain for several" err || fail "several jobs without --chain"
+expect 0 march submit --chain c.json d.json e.json --after "$before" --set 'quality={"method":"midpoint","step":0.05,"light_step":0.05}' --json
+ids=$(grep -o '[0-9]*' out | xargs)
+[ "$(cat out)" = "{\"ids\":[$(echo "$ids" | tr ' ' ,)]}" ] || fail "the ids of a chain: $(cat out)"
+set -- $ids
+march show "$1" --json | grep -q "\"after\":\[$before\]" || fail "the first of a chain comes after --after"
+march show "$3" --json | grep -q "\"after\":\[$2\]" || fail "each of a chain comes after the one before"
+expect 0 march cancel "$1" "$2" "$3"
+jq '.output.path = "chain/a.####.exr"' c.json >taken.json
+expect 1 march submit --chain c.json taken.json e.json --paused
+grep -q "taken.json: output.path: job $before .*writes a.0000.exr too; submitted before it: [0-9]* (c.json)" err ||
+    fail "a refusal in a chain: $(cat err)"
+[ "$(wc -l <out)" -eq 1 ] || fail "the ids of a chain that was refused"
+expect 0 march cancel "$before" "$(cat out)"
+
 # Jobs that have been over for long are deleted together; how many is said before.
 expect 0 march delete --over 1h </dev/null
 grep -q "^delete 0 jobs$" err || fail "delete --over says how many jobs"
@@ -192,11 +219,12 @@ expect 0 submit --frames 48 --set output.path=three/three.####.exr --paused
 expect 0 march cancel "$(cat out)"
 
 expect 0 submit --paused --set frames=0 --set output.path=last/last.####.exr
+last=$(cat out)
 mv pictures elsewhere
 expect 1 march delete 5 --files
 grep -q "^job 5: output: output root $scratch/pictures is not there" err || fail "the job whose files cannot be removed is named"
 mv elsewhere pictures
-march wait 7 --reconnect 0 >out 2>err &
+march wait "$last" --reconnect 0 >out 2>err &
 waiter=$!
 until [ "$(find "/proc/$waiter/fd" -lname 'socket:*' | wc -l)" -gt 0 ] || ! kill -0 "$waiter"; do sleep 0.05; done
 kill "$daemon"

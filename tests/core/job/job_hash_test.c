@@ -84,6 +84,7 @@ static void what_no_picture_depends_on_does_not_count(void **state)
                                            {"order", "[3]"},
                                            {"frame_limit", "5"},
                                            {"pool", "\"other\""},
+                                           {"after", "[7]"},
                                            {"comment", "\"other\""},
                                            {"tags", "[]"},
                                            {"notify", "[]"},

@@ -177,13 +177,20 @@ static void order_and_limit_of_frames_are_read(void **state)
         {"\"frame_limit\":0", "frame_limit: expected"},
         {"\"pool\":\"\"", "pool: expected a pool's name or tag"},
         {"\"pool\":\"a b\"", "pool: expected a pool's name or tag"},
-        {"\"pool\":\"a,b\"", "pool: expected a pool's name or tag"}};
+        {"\"pool\":\"a,b\"", "pool: expected a pool's name or tag"},
+        {"\"after\":3", "after: expected an array of jobs' ids, or an object"},
+        {"\"after\":[0]", "after[0]: expected an integer"},
+        {"\"after\":[1.5]", "after[0]: expected an integer"},
+        {"\"after\":[4,5,4]", "after[2]: job 4 is there twice"},
+        {"\"after\":{}", "after.jobs: expected"},
+        {"\"after\":{\"jobs\":[1],\"when\":\"failed\"}", "after.when: expected one of"},
+        {"\"after\":{\"jobs\":[1],\"who\":1}", "after: unknown key \"who\""}};
     struct job job =
         job_expect("{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[2,1],"
                    "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
                    "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
                    "\"output\":{\"path\":\"#.exr\"},\"order\":[\"last\",4,\"middle\",\"first\"],\"frame_limit\":1.5,"
-                   "\"pool\":\"gpu-2\"}");
+                   "\"pool\":\"gpu-2\",\"after\":{\"jobs\":[3,9007199254740992],\"when\":\"over\"}}");
 
     assert_int_equal(job.order.count, 4);
     assert_int_equal(job.order.stages[0], FRAME_ORDER_LAST);
@@ -192,6 +199,9 @@ static void order_and_limit_of_frames_are_read(void **state)
     assert_int_equal(job.order.stages[3], FRAME_ORDER_FIRST);
     assert_true(job.frame_limit == 1.5);
     assert_string_equal(job.pool, "gpu-2");
+    assert_int_equal(job.after.count, 2);
+    assert_int_equal(job.after.ids[1], INT64_C(1) << 53);
+    assert_true(job.after.takes_any_end);
     job_finish(&job);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         char *text = xasprintf("%s%s}", opening, wrong[i][0]);

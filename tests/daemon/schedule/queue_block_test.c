@@ -31,6 +31,32 @@ static void blocked_job_is_skipped_and_a_pause_outlasts_the_block(void **state)
     queue_destroy(queue);
 }
 
+static void job_that_waits_for_others_is_skipped_and_a_pause_outlasts_the_wait(void **state)
+{
+    struct queue *queue = queue_create(3);
+    struct frame_range range = {0};
+    struct queue_ticket ticket;
+    struct queue_job *job;
+
+    assert_true(frame_range_parse(&range, "1-2", NULL));
+    job = queue_add_job(queue, &(struct queue_job_params){.id = 1, .frames = &range, .priority = 50, .waits = true});
+    assert_null(queue_choose_job(queue, NULL));
+    assert_int_equal(queue_take(job, 1, &ticket, 1), 0);
+    assert_int_equal(queue_job_state(job), JOB_QUEUED);
+    queue_set_wait(job, QUEUE_WAITS_IN_VAIN);
+    assert_null(queue_choose_job(queue, NULL));
+    assert_int_equal(queue_job_state(job), JOB_PAUSED);
+    queue_pause(queue, job);
+    queue_set_wait(job, QUEUE_WAITS_NOT);
+    assert_int_equal(queue_job_state(job), JOB_PAUSED);
+    queue_resume(queue, job);
+    assert_ptr_equal(queue_choose_job(queue, NULL), job);
+    queue_set_wait(job, QUEUE_WAITS_IN_VAIN);
+    queue_cancel(queue, job);
+    assert_int_equal(queue_job_state(job), JOB_CANCELED);
+    queue_destroy(queue);
+}
+
 // Frames 1 to 3 were taken and came back, and the file of the second turns out to be published.
 static void frame_that_turns_out_to_be_published_is_not_taken_again(void **state)
 {
@@ -58,6 +84,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocked_job_is_skipped_and_a_pause_outlasts_the_block),
+        cmocka_unit_test(job_that_waits_for_others_is_skipped_and_a_pause_outlasts_the_wait),
         cmocka_unit_test(frame_that_turns_out_to_be_published_is_not_taken_again),
     };
 

@@ -140,11 +140,10 @@ static void marks_of_version_9_are_kept(void **state)
 
     commit_one(store, job_op(1));
     store_close(store);
-    change_rows(
-        folder,
-        "DROP TABLE mark; DROP TABLE token; DROP TABLE notice; DROP TABLE told; PRAGMA user_version = 9; INSERT INTO "
-        "frame (job, frame_index, state, sum)"
-        " VALUES (1, 2, 4, row_sum(1, 2, 4, 0, 0, 0, 0, NULL, 0.0, 0.0))");
+    change_rows(folder, "DROP TABLE mark; DROP TABLE token; DROP TABLE notice; DROP TABLE told; ALTER TABLE job DROP "
+                        "COLUMN waits; PRAGMA user_version = 9; INSERT INTO "
+                        "frame (job, frame_index, state, sum)"
+                        " VALUES (1, 2, 4, row_sum(1, 2, 4, 0, 0, 0, 0, NULL, 0.0, 0.0))");
     store = open_store(folder);
     loaded = load(store);
     assert_int_equal(loaded.jobs, 1);

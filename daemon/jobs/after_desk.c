@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/after_desk.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "daemon/farm/farm.h"
+#include "daemon/jobs/events.h"
+#include "daemon/loop/loop_turns.h"
+
+#include <stdlib.h>
+
+enum { LOOKED_AT_OF_A_STEP = 64 };
+
+// Jobs are named by ids: by the time that one is looked at, it may be gone.
+struct after_desk {
+    struct loop_task task;
+    struct farm *farm; // borrowed; outlives us
+    int64_t *ids;      // owned; of jobs to look at
+    size_t count, capacity, next;
+};
+
+// What those that a job comes after are like.
+struct after_look {
+    size_t open_count;                     // of those that are not over
+    const struct job_record *open;         // the first of them
+    const struct job_record *unsuccessful; // the first that is over and did not succeed
+    int64_t gone;                          // the first that was deleted; 0: none
+};
+
+static bool on_look_step(struct loop_task *task);
+
+struct after_desk *after_desk_create(struct farm *farm)
+{
+    struct after_desk *desk = xcalloc(1, sizeof *desk);
+
+    desk->task.step = on_look_step;
+    desk->farm = farm;
+    return desk;
+}
+
+void after_desk_destroy(struct after_desk *desk)
+{
+    if (!desk) return;
+    free(desk->ids);
+    free(desk);
+}
+
+void after_desk_start(struct after_desk *desk)
+{
+    if (desk->count > 0) loop_turns_put(desk->farm->turns, &desk->task);
+}
+
+static void put(struct after_desk *desk, int64_t id)
+{
+    desk->ids = xgrow(desk->ids, &desk->capacity, desk->count + 1, sizeof desk->ids[0]);
+    desk->ids[desk->count++] = id;
+    if (desk->farm->turns) loop_turns_put(desk->farm->turns, &desk->task);
+}
+
+bool after_desk_check(const struct farm *farm, const struct job_after *after, struct error *error)
+{
+    for (size_t i = 0; i < after->count; i++) {
+        const struct job_record *first = job_table_find(&farm->jobs, after->ids[i]);
+
+        if (first && !first->is_deleting) continue;
+        error_set(error, "after[%zu]: job %lld %s", i, (long long)after->ids[i],
+                  first ? "is being deleted" : "is not known");
+        return false;
+    }
+    return true;
+}
+
+void after_desk_add(struct farm *farm, struct job_record *record)
+{
+    for (size_t i = 0; i < record->after.count; i++) {
+        struct job_record *first = job_table_find(&farm->jobs, record->after.ids[i]);
+
+        if (!first) continue;
+        first->waiters =
+            xgrow(first->waiters, &first->waiter_capacity, first->waiter_count + 1, sizeof first->waiters[0]);
+        first->waiters[first->waiter_count++] = record->id;
+    }
+    put(farm->after, record->id);
+}
+
+void after_desk_note_change(struct farm *farm, struct job_record *record)
+{
+    int state = 1 + 2 * (int)queue_job_state(record->queued) + record->is_ending;
+
+    if (record->waiter_count == 0 || state == record->told_waiters) return;
+    record->told_waiters = state;
+    after_desk_forget(farm, record);
+}
+
+void after_desk_forget(struct farm *farm, const struct job_record *record)
+{
+    for (size_t i = 0; i < record->waiter_count; i++)
+        put(farm->after, record->waiters[i]);
+}
+
+bool after_desk_is_needed(const struct farm *farm, const struct job_record *record)
+{
+    for (size_t i = 0; i < record->waiter_count; i++) {
+        const struct job_record *waiter = job_table_find(&farm->jobs, record->waiters[i]);
+
+        if (waiter && waiter->waits && queue_job_is_live(waiter->queued)) return true;
+    }
+    return false;
+}
+
+// A job is over once its last frames have left the workers.
+static bool is_over(const struct job_record *record)
+{
+    return !queue_job_is_live(record->queued) && record->is_ending && !record->is_retry_waiting;
+}
+
+static struct after_look look(const struct farm *farm, const struct job_record *record)
+{
+    struct after_look look = {0};
+
+    for (size_t i = 0; i < record->after.count; i++) {
+        const struct job_record *first = job_table_find(&farm->jobs, record->after.ids[i]);
+
+        if (!first) {
+            if (look.gone == 0) look.gone = record->after.ids[i];
+        } else if (!is_over(first)) {
+            if (look.open_count++ == 0) look.open = first;
+        } else if (queue_job_state(first->queued) != JOB_SUCCEEDED && !look.unsuccessful) {
+            look.unsuccessful = first;
+        }
+    }
+    return look;
+}
+
+static enum queue_wait find_wait(const struct farm *farm, const struct job_record *record)
+{
+    const struct after_look found = look(farm, record);
+
+    if (!record->after.takes_any_end && (found.gone || found.unsuccessful)) return QUEUE_WAITS_IN_VAIN;
+    return found.open_count > 0 ? QUEUE_WAITS : QUEUE_WAITS_NOT;
+}
+
+void after_desk_release(struct farm *farm, struct job_record *record)
+{
+    record->waits = false;
+    queue_set_wait(record->queued, QUEUE_WAITS_NOT);
+    farm_want_feed(farm);
+}
+
+static void look_at(struct farm *farm, struct job_record *record)
+{
+    struct log_subject subject = job_record_subject(record);
+    enum queue_wait wait = find_wait(farm, record);
+
+    if (wait == record->queued->wait) return;
+    if (wait == QUEUE_WAITS_NOT) {
+        after_desk_release(farm, record);
+        farm_store_job(farm, record);
+        log_about(LOG_INFO, &subject, "job %lld (\"%s\"): goes on: what it waited for is over", (long long)record->id,
+                  record->name);
+    } else {
+        char *reason;
+
+        queue_set_wait(record->queued, wait);
+        reason = after_desk_format_reason(farm, record);
+        log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name, reason);
+        free(reason);
+    }
+    events_note_job(farm->events, record);
+}
+
+static bool on_look_step(struct loop_task *task)
+{
+    struct after_desk *desk = (struct after_desk *)task;
+
+    for (int i = 0; i < LOOKED_AT_OF_A_STEP && desk->next < desk->count; i++) {
+        struct job_record *record = job_table_find(&desk->farm->jobs, desk->ids[desk->next++]);
+
+        if (record && record->waits) look_at(desk->farm, record);
+    }
+    if (desk->next < desk->count) return true;
+    desk->next = desk->count = 0;
+    return false;
+}
+
+static char *format_vain(const struct after_look *found, const struct job_record *record)
+{
+    if (found->gone)
+        return xasprintf("paused: job %lld, which it comes after, was deleted: march resume %lld renders it all the "
+                         "same",
+                         (long long)found->gone, (long long)record->id);
+    return xasprintf("paused: job %lld (\"%s\"), which it comes after, %s: march retry %lld, or march resume %lld to "
+                     "render it all the same",
+                     (long long)found->unsuccessful->id, found->unsuccessful->name,
+                     queue_job_state(found->unsuccessful->queued) == JOB_CANCELED ? "was canceled" : "failed",
+                     (long long)found->unsuccessful->id, (long long)record->id);
+}
+
+char *after_desk_format_reason(const struct farm *farm, const struct job_record *record)
+{
+    const struct after_look found = look(farm, record);
+    const struct frame_states *states;
+    char *more, *text;
+    int64_t done;
+
+    if (!record->after.takes_any_end && (found.gone || found.unsuccessful)) return format_vain(&found, record);
+    if (!found.open) return xstrdup("waits no more: it goes on in a moment");
+    states = &found.open->queued->states;
+    done = states->counts[FRAME_SUCCEEDED] + states->counts[FRAME_SKIPPED];
+    more = found.open_count > 1 ? xasprintf(", and for %zu more", found.open_count - 1) : xstrdup("");
+    text = xasprintf("waits for job %lld (\"%s\"): %lld of its %lld frames are done%s", (long long)found.open->id,
+                     found.open->name, (long long)done, (long long)states->frame_count, more);
+    free(more);
+    return text;
+}
