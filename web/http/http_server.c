@@ -32,8 +32,7 @@ struct http_server {
 };
 
 static int on_lws(struct lws *wsi, enum lws_callback_reasons reason, void *session, void *bytes, size_t size);
-static void free_if_closed(struct http_server *server);
-static void on_sweep_closed(uv_handle_t *handle);
+static void tell_if_closed(struct http_server *server);
 
 static const struct lws_protocols protocols[] = {
     {.name = "http", .callback = on_lws, .rx_buffer_size = SOCKET_PIECE},
@@ -101,7 +100,7 @@ static void forget_connection(struct http_connection *connection)
     if (connection->next) connection->next->previous = connection->previous;
     server->connection_count--;
     free(connection);
-    free_if_closed(server);
+    tell_if_closed(server);
 }
 
 static const struct http_route *find_route(const struct http_server *server, const char *method, const char *path,
@@ -305,10 +304,17 @@ static void on_sweep(uv_timer_t *timer)
     }
 }
 
-static void on_lws_log(int level, const char *line)
+static void on_lws_error(int level, const char *line)
 {
     (void)level;
     log_warn("libwebsockets: %s", line);
+}
+
+// What it says of strangers' requests would fill the log.
+static void on_lws_complaint(int level, const char *line)
+{
+    (void)level;
+    log_debug("libwebsockets: %s", line);
 }
 
 // Its own log says no more than errors: what it parses holds tokens.
@@ -332,10 +338,11 @@ static bool open_context(struct http_server *server, struct error *error)
         .user = server,
     };
 
-    lws_set_log_level(LLL_ERR, on_lws_log);
+    lws_set_log_level(LLL_ERR, on_lws_error);
     server->loops[0] = server->params.loop;
     server->context = lws_create_context(&info);
     server->vhost = server->context ? lws_create_vhost(server->context, &info) : NULL;
+    lws_set_log_level(LLL_ERR, on_lws_complaint);
     if (server->vhost) return true;
     error_set(error, "libwebsockets does not start (is its plugin for libuv installed?)");
     return false;
@@ -348,14 +355,16 @@ struct http_server *http_server_open(const struct http_server_params *params, st
         .loop = params->loop, .address = params->address, .on_connection = on_connection, .user = server};
 
     server->params = *params;
+    server->listener = http_listener_open(&listener, error);
+    if (!server->listener || !open_context(server, error)) {
+        http_listener_close(server->listener);
+        free(server);
+        return NULL;
+    }
     uv_timer_init(params->loop, &server->sweep);
     server->sweep.data = server;
-    if (open_context(server, error) && (server->listener = http_listener_open(&listener, error))) {
-        uv_timer_start(&server->sweep, on_sweep, SWEEP_MS, SWEEP_MS);
-        return server;
-    }
-    http_server_close(server, NULL, NULL);
-    return NULL;
+    uv_timer_start(&server->sweep, on_sweep, SWEEP_MS, SWEEP_MS);
+    return server;
 }
 
 int http_server_port(const struct http_server *server)
@@ -363,19 +372,11 @@ int http_server_port(const struct http_server *server)
     return http_listener_port(server->listener);
 }
 
-static void free_if_closed(struct http_server *server)
+static void tell_if_closed(struct http_server *server)
 {
-    void (*on_closed)(void *user) = server->on_closed;
-    void *user = server->user;
-
     if (!server->is_closing || server->first || uv_is_closing((uv_handle_t *)&server->sweep)) return;
-    uv_close((uv_handle_t *)&server->sweep, on_sweep_closed);
-    if (on_closed) on_closed(user);
-}
-
-static void on_sweep_closed(uv_handle_t *handle)
-{
-    free(handle->data);
+    uv_close((uv_handle_t *)&server->sweep, NULL);
+    server->on_closed(server->user);
 }
 
 void http_server_close(struct http_server *server, void (*on_closed)(void *user), void *user)
@@ -384,6 +385,13 @@ void http_server_close(struct http_server *server, void (*on_closed)(void *user)
     server->user = user;
     server->is_closing = true;
     http_listener_close(server->listener);
-    if (server->context) lws_context_destroy(server->context);
-    free_if_closed(server);
+    lws_context_destroy(server->context);
+    tell_if_closed(server);
+}
+
+void http_server_destroy(struct http_server *server)
+{
+    if (!server) return;
+    lws_context_destroy(server->context);
+    free(server);
 }

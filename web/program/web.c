@@ -26,7 +26,8 @@ struct web {
     uv_loop_t loop;
     uv_signal_t terminated, interrupted;
     struct http_origins origins;
-    struct http_server *server;
+    struct http_server *server; // owned
+    bool is_ending;
     struct farm_calls *calls;
     struct route_frame *frames;
     struct route_files files;
@@ -110,11 +111,9 @@ static void on_server_closed(void *user)
 
 static void stop(struct web *web)
 {
-    struct http_server *server = web->server;
-
-    web->server = NULL;
-    if (server)
-        http_server_close(server, on_server_closed, web);
+    web->is_ending = true;
+    if (web->server)
+        http_server_close(web->server, on_server_closed, web);
     else
         on_server_closed(web);
     uv_close((uv_handle_t *)&web->terminated, NULL);
@@ -125,7 +124,7 @@ static void on_signal(uv_signal_t *handle, int number)
 {
     struct web *web = handle->data;
 
-    if (!web->server) return;
+    if (web->is_ending) return;
     log_info("ends: signal %d", number);
     sd_notify(0, "STOPPING=1");
     stop(web);
@@ -165,6 +164,7 @@ bool web_run(const struct web_options *options, struct error *error)
     else
         stop(&web);
     uv_run(&web.loop, UV_RUN_DEFAULT);
+    http_server_destroy(web.server);
     uv_loop_close(&web.loop);
     http_origins_finish(&web.origins);
     return is_begun;

@@ -31,7 +31,7 @@ static void on_answered(void *user, const struct farm_answer *answer)
     if (answer->end == FARM_OPEN) {
         asking->on_answer(request, answer, asking->user);
     } else if (answer->end == FARM_REFUSED) {
-        log_info("%s: a token that is not valid", http_request_address(request));
+        log_debug("%s: a token that is not valid", http_request_address(request));
         http_request_fail(request, 401, "%s", answer->why);
     } else {
         log_debug("the daemon: %s", answer->why);
