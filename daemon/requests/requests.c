@@ -5,6 +5,9 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/requests/methods.h"
+#include "daemon/settings/options.h"
+
+#include <string.h>
 
 static enum request_outcome fail_method(struct request *request, const char *name)
 {
@@ -16,6 +19,13 @@ static enum request_outcome fail_method(struct request *request, const char *nam
                         name, nearest ? nearest : "");
 }
 
+// By name, too, for the user may have come after the daemon's start.
+static bool is_web_user(const struct request *request)
+{
+    return rights_is_web_user(&request->farm->rights, &request->client->peer) ||
+           strcmp(request->client->user, request->farm->options->web_user) == 0;
+}
+
 // The web user's connections begin as nobody's, but for notices.
 static bool has_peer(const struct request *request, enum access_need need)
 {
@@ -24,9 +34,8 @@ static bool has_peer(const struct request *request, enum access_need need)
 
     if (need == NEED_NOTHING) return true;
     if (need == NEED_NOTICE)
-        return rights_is_web_user(rights, peer) ||
-               (rights_is_known(peer) && (peer->uid == 0 || peer->uid == rights->daemon_uid));
-    return !rights_is_web_user(rights, peer);
+        return is_web_user(request) || (rights_is_known(peer) && (peer->uid == 0 || peer->uid == rights->daemon_uid));
+    return !is_web_user(request);
 }
 
 static bool check_access(struct request *request, const struct method *method)
