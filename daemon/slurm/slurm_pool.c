@@ -57,7 +57,8 @@ struct slurm_pool {
 };
 
 static void on_call_end(void *user, const struct slurm_answer *answer);
-static void step(struct slurm_pool *slurm);
+static void step(struct slurm_pool *slurm, bool is_checked);
+static void place(struct slurm_pool *slurm, int index);
 
 static const struct slurm_options *settings(const struct slurm_pool *slurm)
 {
@@ -152,6 +153,7 @@ static void give_back(struct slurm_pool *slurm, int index, const char *reason)
 
     allocations_note_canceled(&slurm->allocations, index, reason, slurm->now_ms);
     cancel(slurm, index, job);
+    place(slurm, index); // it gets no more frames
 }
 
 static const char *or_silence(const char *trouble)
@@ -215,7 +217,7 @@ static void on_call_end(void *user, const struct slurm_answer *answer)
     }
     slurm_call_close(call);
     slurm->call = NULL;
-    if (call) step(slurm);
+    if (call) step(slurm, false);
 }
 
 static const char *trouble_of(const struct slurm_pool *slurm)
@@ -285,8 +287,9 @@ static bool has_any(const struct slurm_pool *slurm)
     return allocations_count(&slurm->allocations, ALLOCATION_NONE) < slurm->allocations.count;
 }
 
-// Begins the one call that is due.
-static void step(struct slurm_pool *slurm)
+// Begins the one call that is due. `is_checked`: what the workers have in hand was looked at in this turn. A machine that
+// was idle at the last look may have frames since.
+static void step(struct slurm_pool *slurm, bool is_checked)
 {
     const struct allocations *allocations = &slurm->allocations;
     int index;
@@ -307,6 +310,7 @@ static void step(struct slurm_pool *slurm)
     }
     if (give_back_useless(slurm)) return;
     index = allocations_find_to_cancel(allocations, slurm->want, settings(slurm)->idle_ms, slurm->now_ms);
+    if (index >= 0 && !slurm->trouble && !is_checked) return;
     if (index >= 0 && !slurm->trouble) {
         if (allocations->all[index].is_short)
             log_info("pool %s: the rest of its time is too short", slurm->params.pool->name);
@@ -320,7 +324,9 @@ static void step(struct slurm_pool *slurm)
 
 void slurm_pool_note_busy(struct slurm_pool *slurm, int node, int64_t now_ms)
 {
-    if (slurm->lease) slurm->allocations.all[node].busy_ms = now_ms;
+    if (!slurm->lease) return;
+    slurm->allocations.all[node].busy_ms = now_ms;
+    slurm->allocations.all[node].is_short = false; // another frame fitted
 }
 
 // An allocation ends by itself without the lease, so none is asked for before it is written.
@@ -369,7 +375,7 @@ void slurm_pool_check(struct slurm_pool *slurm, const struct slurm_need *need, i
     slurm->want = allocations_want(need->tasks, slurm->params.pool->nodes[0].worker_count, options->min, options->max);
     set_idle_reason(slurm, need);
     hold_lease(slurm);
-    step(slurm);
+    step(slurm, true);
 }
 
 void slurm_pool_keep(struct slurm_pool *slurm, int64_t now_ms)
