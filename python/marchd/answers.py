@@ -74,6 +74,8 @@ class Job(Answer):
     phase_progress: float | None
     # why it waits, or failed
     reason: str | None
+    # jobs that it waits for; none: it waits for no job
+    after: list[int]
     # as the document has it
     comment: str | None
     # as the document has them
@@ -630,6 +632,8 @@ class JobShow(Answer):
     phase_progress: float | None
     # why it waits, or failed
     reason: str | None
+    # jobs that it waits for; none: it waits for no job
+    after: list[int]
     # as the document has it
     comment: str | None
     # as the document has them

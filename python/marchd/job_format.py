@@ -41,6 +41,8 @@ class JobDocument(TypedDict):
     priority: NotRequired[int]
     # The name of a pool of the farm, or a tag of some: only their workers render the job. Any worker if absent.
     pool: NotRequired[str]
+    # Jobs of the same farm that come first: this one begins when all have succeeded, or are over.
+    after: NotRequired[Sequence[int] | AfterJobs]
     # For people: 1 to 1000 bytes without control characters, which lists, and headers of files, tell.
     comment: NotRequired[str]
     # For people, likewise: words of 1 to 64 bytes without a comma, none twice.
@@ -683,6 +685,12 @@ class Output(TypedDict):
     existing: NotRequired[Literal["verify", "overwrite", "fail"]]
 
 
+class AfterJobs(TypedDict):
+    jobs: Sequence[int]
+    # over: whether they succeeded or not.
+    when: NotRequired[Literal["succeeded", "over"]]
+
+
 class NotifyTo(TypedDict):
     on: Sequence[Literal["done", "failed", "waiting", "missed"]]
     # The name of a target in the settings of march-web.
@@ -739,6 +747,7 @@ Quality: TypeAlias = (
 
 __all__ = [
     "Adaptive",
+    "AfterJobs",
     "Angle",
     "Auto",
     "Bias",
