@@ -117,7 +117,7 @@ class LoadTest(unittest.TestCase):
         self.assertEqual(json.loads(wait_until("the document", lambda: page.find("pre.code").text))["name"], "many")
 
 
-class PictureTest(unittest.TestCase):
+class RenderedTest(unittest.TestCase):
     """With a worker that renders, in software."""
 
     @classmethod
@@ -130,39 +130,6 @@ class PictureTest(unittest.TestCase):
         cls.job = cls.farm.submit("seen", "1-12", resolution=[160, 90], quality={"tolerance": 0.1})
         wait_until("the job is over", lambda: cls.farm.job(cls.job)["state"] == "succeeded")
 
-    def picture(self):
-        return self.page.run("const one = document.querySelector('.picture'); return [one.naturalWidth, one.src]")
-
-    def test_frame_is_shown_by_channel_exposure_and_zoom(self):
-        page = self.page
-        page.go(f"#/jobs/{self.job}/frames/3")
-        wait_until("the picture", lambda: self.picture()[0] == 160)
-        page.has("marchd:")
-        names = [one.text for one in page.all("[aria-label=Channel] option")]
-        self.assertEqual(names[:3], ["alpha", "colour", "Z (depth)"])
-        page.keys("+", "+", "+")
-        wait_until("a part of it", lambda: "w=" in self.picture()[1])
-        page.keys("0", "]")
-        wait_until("another exposure", lambda: "exposure=0.5" in self.picture()[1] and self.picture()[0] == 160)
-        page.keys(Keys.ARROW_RIGHT)
-        page.has("Frame 4 of", "h1")
-        wait_until("the next picture", lambda: "/4.png" in self.picture()[1] and self.picture()[0] == 160)
-        page.click("[aria-label=Channel] option", "Z (depth)")
-        wait_until("its depth", lambda: "channel=Z" in self.picture()[1] and self.picture()[0] == 160)
-        self.assertEqual(page.complaints(), [])
-
-    def test_flipbook_plays_and_goes_on(self):
-        page = self.page
-        page.go(f"#/jobs/{self.job}/flipbook")
-        wait_until("a frame", lambda: page.run("return document.querySelector('.flip')?.width") == 160)
-        page.keys(" ")
-        seen = set()
-        wait_until("each frame is shown", lambda: seen.add(page.text(".tell").split(",")[0]) or len(
-            {one for one in seen if "loading" not in one}) == 12)
-        page.keys(" ")
-        page.has("▶ Play", ".flipbook")
-        self.assertEqual(page.complaints(), [])
-
     def test_plots_show_error_and_bound(self):
         page = self.page
         page.go(f"#/jobs/{self.job}/plots")
@@ -170,6 +137,16 @@ class PictureTest(unittest.TestCase):
         shown = page.run("return globalThis.Chart.getChart(document.querySelectorAll('.plot canvas')[1])"
                          ".data.datasets.map((one) => [one.label, one.data.length])")
         self.assertEqual(shown, [["error", 12], ["95 % bound", 12], ["tolerance", 2]])
+        self.assertEqual(page.complaints(), [])
+
+
+    def test_plan_says_what_was_planned_and_why(self):
+        page = self.page
+        page.go(f"#/jobs/{self.job}/plan")
+        page.has("Foreseen error")
+        planned = self.farm.ask("job.plans", {"id": self.job})["plans"][0]
+        page.has(planned["why"])
+        page.has(planned["quality"]["method"], "tbody")
         self.assertEqual(page.complaints(), [])
 
 

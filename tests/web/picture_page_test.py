@@ -5,21 +5,14 @@ import pathlib
 import sys
 import unittest
 
-from browser import BIN, Farm, Page, wait_until
+from browser import Farm, Page, wait_until
 from selenium.webdriver.common.keys import Keys
-
-
-class RenderingFarm(Farm):
-    """Its workers render."""
-
-    def set_mode(self, mode):
-        self.worker.write_text(f'#!/bin/sh\nexec "{BIN}/march-worker" "$@"\n', encoding="utf-8")
 
 
 class PicturePageTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.farm = RenderingFarm()
+        cls.farm = Farm(None)
         cls.addClassCleanup(cls.farm.close)
         cls.page = Page(cls.farm)
         cls.addClassCleanup(cls.page.close)

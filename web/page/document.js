@@ -1,6 +1,23 @@
-// A job's document, to read, to keep, or to submit again.
-import { View, el } from "./dom.js";
+// What was planned for a job, and its document.
+import { View, el, percent, table } from "./dom.js";
 import { editDocument } from "./submit.js";
+
+export class Plans extends View {
+  constructor(view) {
+    super();
+    this.view = view;
+    this.root = el("div", null, el("p", { class: "hint" }, "The farm is asked."));
+  }
+
+  async show() {
+    if (!this.view.shown) return; // it is shown again when the job is known
+    const { plans } = await this.view.farm.call("job.plans", { id: this.view.id });
+    const rows = plans.map(({ number, quality: { method, ...others }, why, scouts }) => [`${number}`, method,
+      JSON.stringify(others, null, 1).replace(/[{}"]|\n */g, " ").trim(), why, percent(Math.max(...scouts, 0))]);
+    this.root.replaceChildren(rows.length ? table("Plans", ["Plan", "Method", "Numbers", "Why", "Foreseen error"], rows)
+      : el("p", { class: "hint" }, "Nothing was planned: the job states its method, or no frame has begun."));
+  }
+}
 
 export class JobDocument extends View {
   constructor({ shown }) {

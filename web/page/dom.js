@@ -13,6 +13,16 @@ export function el(name, attributes, ...children) {
   return made;
 }
 
+// What a colour of the style sheet is in the present theme: "rgb(1, 2, 3)".
+export function styleColour(name) {
+  const probe = el("span", { hidden: true });
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
+}
+
 export const find = (selector, within = document) => within.querySelector(selector);
 
 // Says a sentence to screen readers.

@@ -144,10 +144,9 @@ export class Farm extends EventTarget {
     do {
       const page = await this.call("job.list", { order: "-id", limit: seen.size ? PAGE : FIRST_PAGE, cursor });
       for (const job of page.jobs) {
-        if (this.touched.has(job.id)) continue;
-        this.jobs.set(job.id, job);
+        seen.add(job.id);
+        if (!this.touched.has(job.id)) this.jobs.set(job.id, job);
       }
-      for (const job of page.jobs) seen.add(job.id);
       cursor = page.next ?? undefined;
       this.total = page.total;
       this.isLoaded = !cursor;

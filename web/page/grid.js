@@ -1,5 +1,5 @@
 // A job's frames as a canvas of cells, coloured by state, error or time. Its keys and its tell line are for all.
-import { View, el, states, count, duration, percent } from "./dom.js";
+import { View, el, styleColour, states, count, duration, percent } from "./dom.js";
 import { codes } from "./framemap.js";
 
 const LEAST_PX = 3, MOST_PX = 26, SIGN_PX = 13, DRAW_MS = 100,
@@ -14,11 +14,7 @@ function rampColour(share) {
 
 const pack = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 
-// "rgb(1, 2, 3)" of whatever colour the style sheet has.
-function styleColour(element, name) {
-  element.style.color = `var(${name})`;
-  return getComputedStyle(element).color.match(/[\d.]+/g).slice(0, 3).map(Number);
-}
+const packStyle = (name) => pack(styleColour(name).match(/[\d.]+/g).slice(0, 3).map(Number));
 
 export class FrameGrid extends View {
   static kept = new Map(); // job -> index of the frame at which one was
@@ -37,11 +33,10 @@ export class FrameGrid extends View {
         onpointermove: (event) => this.onPoint(event),
       onclick: (event) => this.onPoint(event) && this.open(this.map.numbers[this.at]), onfocus: () => this.tell() });
     this.cursor = el("div", { class: "cursor", "aria-hidden": "true" });
-    this.probe = el("span", { hidden: true });
     this.legend = el("div", { class: "legend" });
     this.told = el("p", { id: "tell", class: "tell", "aria-live": "polite" }, "");
     this.root = el("div", { class: "grid" }, this.makeChoice(), this.legend, this.told,
-      this.box = el("div", { class: "canvas" }, this.canvas, this.cursor), this.probe);
+      this.box = el("div", { class: "canvas" }, this.canvas, this.cursor));
   }
 
   makeChoice() {
@@ -112,19 +107,18 @@ export class FrameGrid extends View {
     context.font = `${Math.round(px * 0.6)}px sans-serif`;
     context.textAlign = "center";
     context.textBaseline = "middle";
-    context.fillStyle = getComputedStyle(this.box).getPropertyValue("--cell-sign");
+    context.fillStyle = styleColour("--cell-sign");
     for (let index = 0; index < this.map.numbers.length; index++) {
       const { sign } = states[this.map.stateOf(index)];
-      context.fillText(sign, (index % this.columns) * px + (px - gap) / 2,
-        Math.floor(index / this.columns) * px + (px - gap) / 2);
+      const x = index % this.columns, y = Math.floor(index / this.columns);
+      context.fillText(sign, x * px + (px - gap) / 2, y * px + (px - gap) / 2);
     }
   }
 
   colours() {
-    const { map } = this, plain = pack(styleColour(this.probe, "--cell-none"));
+    const { map } = this, plain = packStyle("--cell-none");
     if (this.by === "state") {
-      const packed = codes.map((state) => (this.only && this.only !== state ? plain
-        : pack(styleColour(this.probe, `--${state}`))));
+      const packed = codes.map((state) => (this.only && this.only !== state ? plain : packStyle(`--${state}`)));
       return (index) => packed[map.states[index]];
     }
     const values = this.by === "error" ? map.errors : map.seconds;
@@ -133,8 +127,7 @@ export class FrameGrid extends View {
     this.low = known.reduce((least, value) => Math.min(least, value), Infinity);
     this.high = tolerance ?? known.reduce((most, value) => Math.max(most, value), 0);
     if (tolerance) this.low = 0;
-    const over = pack(styleColour(this.probe, "--failed")), table = Array.from({ length: 64 },
-      (_, i) => pack(rampColour(i / 63)));
+    const over = packStyle("--failed"), table = Array.from({ length: 64 }, (_, i) => pack(rampColour(i / 63)));
     return (index) => {
       const value = values[index];
       if (Number.isNaN(value)) return plain;

@@ -7,7 +7,7 @@ const keys = [
   ["Jobs", [["/", "search"], ["↑ ↓, k j, PgUp PgDn, Home End", "another job"], ["Enter", "open it"]]],
   ["A job, in the list or open", [["p", "pause or resume"], ["c", "cancel"], ["r", "retry"], ["+", "priority"],
     ["Delete", "delete"]]],
-  ["An open job", [["f, b, g, d", "frames, flipbook, plots, document"], ["← → ↑ ↓, Home End",
+  ["An open job", [["f, b, g, x, d", "frames, flipbook, plots, plan, document"], ["← → ↑ ↓, Home End",
     "another frame of the grid"], ["n, N", "the next, the previous failed frame"], ["Enter", "open the frame"]]],
   ["A frame", [["← →", "the frame before, after"], ["+ −, 0", "zoom, fit"], ["Shift and ← → ↑ ↓", "move the picture"],
     ["[ ]", "exposure"], ["a", "exposure by itself"]]],

@@ -7,7 +7,7 @@ import { FrameGrid } from "./grid.js";
 import { formatRange } from "./ranges.js";
 
 const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"],
-  ["document", "Document", "d"]];
+  ["plan", "Plan", "x"], ["document", "Document", "d"]];
 
 export class JobView extends View {
   constructor(farm, id, tab) {
@@ -81,6 +81,7 @@ export class JobView extends View {
       frames: () => new FrameGrid(this.map, () => this.job, (frame) => this.openFrame(frame)),
       flipbook: async () => new (await import("./flipbook.js")).Flipbook(this),
       plots: async () => new (await import("./plots.js")).Plots(this),
+      plan: async () => new (await import("./document.js")).Plans(this),
       document: async () => new (await import("./document.js")).JobDocument(this),
     }[tab];
     const content = await make();

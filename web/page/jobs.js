@@ -69,8 +69,8 @@ function fillRow(row, job) {
       cell.dataset.state = job.state;
     } else if (column.isProgress) {
       setProgress(cell.firstChild, job);
-      setText(cell.lastChild, `${count(doneOf(job))}/${count(job.frames)}${job.failed ? ` ✗${count(job.failed)}`
-        : ""}`);
+      const failed = job.failed ? ` ✗${count(job.failed)}` : "";
+      setText(cell.lastChild, `${count(doneOf(job))}/${count(job.frames)}${failed}`);
     } else if (column.isLink) {
       setText(cell.firstChild, column.text(job));
       cell.firstChild.href = `#/jobs/${job.id}`;
@@ -87,9 +87,7 @@ function matcher(farm) {
     if (chosen.state === "live" ? isOver(job) : chosen.state && job.state !== chosen.state) return false;
     if (chosen.mine && job.owner !== farm.session?.user) return false;
     if (!words.length) return true;
-    const text = `${job.id} ${job.name} ${job.owner} ${job.state} ${job.tags?.join(" ")} ${job.comment
-      ?? ""} ${job.reason ?? ""}`
-      .toLowerCase();
+    const text = [job.id, job.name, job.owner, job.state, ...job.tags, job.comment, job.reason].join(" ").toLowerCase();
     return words.every((word) => text.includes(word));
   };
 }

@@ -9,7 +9,7 @@ let view, shownHash;
 // A view that is not asked for is not loaded.
 const routes = [
   [/^#\/jobs$/, () => new JobsView(farm)],
-  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|document))?$/, async (id, tab) =>
+  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|plan|document))?$/, async (id, tab) =>
     new (await import("./job.js")).JobView(farm, Number(id), tab)],
   [/^#\/jobs\/(\d+)\/frames\/(-?\d+)$/, async (id, frame) => new (await import("./frame.js")).FrameView(farm,
     Number(id), Number(frame))],
@@ -38,8 +38,7 @@ function finishRoute(hash) {
   for (const link of document.querySelectorAll("nav a"))
     if (hash.startsWith(link.getAttribute("href"))) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
-  if (shownHash !== undefined && shownHash !== hash) say(view.title);
-  if (shownHash !== undefined || view.focusAtStart) view.focus?.();
+  if (shownHash !== undefined) (say(view.title), view.focus?.());
   shownHash = hash;
 }
 

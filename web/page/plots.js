@@ -1,5 +1,5 @@
 // Seconds of each frame, and its error with the 95 % bound against the tolerance.
-import { View, el, duration, percent } from "./dom.js";
+import { View, el, styleColour, duration, percent } from "./dom.js";
 
 const DRAW_MS = 2000, POINTS = 1500;
 let chart; // the library, when it is loaded
@@ -30,22 +30,19 @@ export class Plots extends View {
   }
 
   points(values, scale = 1) {
-    return [...values].map((value, index) => ({ x: this.map.numbers[index], y: value * scale })).filter(({ y }) =>
-      !Number.isNaN(y))
-      .sort((a, b) => a.x - b.x);
+    return [...values].map((value, index) => ({ x: this.map.numbers[index], y: value * scale }))
+      .filter(({ y }) => !Number.isNaN(y)).sort((a, b) => a.x - b.x);
   }
 
   draw() {
     if (!chart || this.isHidden || !this.map.isLoaded) return;
     for (const one of this.charts) one.destroy();
     const { map } = this, { tolerance } = this.view.job ?? {};
-    const ink = (name) => getComputedStyle(document.body).getPropertyValue(name) && this.colour(name);
-    const line = (label, data, colour, more) => ({ label, data, borderColor: ink(colour), backgroundColor: ink(colour),
-      borderWidth: 1.5, pointRadius: data.length > 300 ? 0 : 2.5, ...more });
+    const line = (label, data, name, more) => ({ label, data, borderColor: styleColour(name),
+      backgroundColor: styleColour(name), borderWidth: 1.5, pointRadius: data.length > 300 ? 0 : 2.5, ...more });
     const seconds = this.points(map.seconds), errors = this.points(map.errors, 100),
       bounds = this.points(map.bounds, 100);
-    const ends = map.numbers.length ? [map.numbers.reduce((a, b) => Math.min(a, b)),
-      map.numbers.reduce((a, b) => Math.max(a, b))] : [];
+    const ends = seconds.length ? [seconds[0].x, seconds.at(-1).x] : [];
     this.charts = [
       this.plot(this.seconds, "s", [line("seconds", seconds, "--running")], this.tellSeconds(seconds)),
       this.plot(this.errors, "%", [line("error", errors, "--succeeded"), line("95 % bound", bounds, "--quiet",
@@ -55,27 +52,17 @@ export class Plots extends View {
     ];
   }
 
-  // What a style sheet's colour is in the present theme.
-  colour(name) {
-    const probe = el("span", { hidden: true });
-    this.root.append(probe);
-    probe.style.color = `var(${name})`;
-    const { color } = getComputedStyle(probe);
-    probe.remove();
-    return color;
-  }
-
   plot(box, unit, datasets, told) {
-    const ink = this.colour("--quiet"), lines = this.colour("--line"), canvas = box.querySelector("canvas");
+    const ink = styleColour("--quiet"), lines = styleColour("--line"), canvas = box.querySelector("canvas");
+    const shown = datasets.filter(({ data }) => data.length);
     const axis = (text) => ({ type: "linear", title: { display: true, text, color: ink }, ticks: { color: ink },
       grid: { color: lines } });
     box.querySelector(".hint").textContent = told;
     canvas.setAttribute("aria-label", told);
-    return new chart(canvas, { type: "line", data: { datasets: datasets.filter(({ data }) => data.length) },
+    return new chart(canvas, { type: "line", data: { datasets: shown },
       options: { animation: false, parsing: false, normalized: true, maintainAspectRatio: false,
         interaction: { mode: "nearest", axis: "x", intersect: false },
-        onClick: (_, [hit]) => hit && datasets.length && this.view.openFrame(datasets.filter(({ data }) =>
-          data.length)[hit.datasetIndex].data[hit.index]?.x),
+        onClick: (_, [hit]) => hit && this.view.openFrame(shown[hit.datasetIndex].data[hit.index].x),
         plugins: { decimation: { enabled: true, algorithm: "min-max", threshold: POINTS },
           legend: { labels: { color: ink, usePointStyle: true, boxWidth: 7, boxHeight: 7 } } },
         scales: { x: axis("frame"), y: { ...axis(unit), beginAtZero: true } } } });

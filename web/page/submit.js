@@ -21,8 +21,6 @@ function putSources(node, sources) {
 export class SubmitView extends View {
   title = "Submit";
 
-  focusAtStart = true;
-
   constructor(farm) {
     super();
     this.farm = farm;
@@ -40,8 +38,7 @@ export class SubmitView extends View {
     this.root = el("section", { class: "submit", "aria-label": "Submit a job", ondrop: (event) => this.onDrop(event),
       ondragover: (event) => this.onDrag(event, true), ondragleave: (event) => this.onDrag(event, false) },
       el("h1", null, "Submit a job"), el("div", { class: "tools" }, file, el("label", null, this.paused, " paused"),
-        el("button", { type: "button", class: "main", title: "Key: Ctrl and Enter", onclick: () => this.submit() },
-          "Submit")),
+        el("button", { class: "main", title: "Key: Ctrl and Enter", onclick: () => this.submit() }, "Submit")),
       this.mistake, el("div", { class: "editor" }, this.lines, this.text));
     this.text.addEventListener("keydown", (event) => event.ctrlKey && event.key === "Enter" && this.submit());
   }
