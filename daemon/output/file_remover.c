@@ -77,7 +77,8 @@ static void count_others(const struct removal *removal)
 static bool remove_files(struct file_remover *remover, int folder_fd, struct error *error)
 {
     struct store_reader *reader = store_reader_open(remover->state_folder, error);
-    struct removal removal = {remover, folder_fd, xcalloc((size_t)frame_range_count(remover->frames) + 1, sizeof(bool))};
+    struct removal removal = {remover, folder_fd,
+                              xcalloc((size_t)frame_range_count(remover->frames) + 1, sizeof(bool))};
     bool ok = reader && store_read_frames(reader, remover->job, 0, INT32_MAX, on_row, &removal, error);
 
     if (ok) count_others(&removal);
