@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import os
 from dataclasses import dataclass
 from typing import Protocol
@@ -83,6 +84,21 @@ def parse(text: str) -> Address:
     is_secure = parts.scheme == "https"
     port = parts.port or (443 if is_secure else 80)
     return Address(text, (), parts.hostname, port, is_secure, parts.path.rstrip("/"))
+
+
+def check_token(address: Address, token: str | None) -> None:
+    """Refuses to send a token in clear text over a network, and one that would be more than a header's value."""
+    if token is not None and not (token.isascii() and token.isprintable() and " " not in token):
+        raise FarmError("a token has no spaces and no control characters")
+    if token and address.host and not address.is_secure and not _is_this_machine(address.host):
+        raise FarmError(f"a token is sent over https:// or to this machine only, not to {address.text}")
+
+
+def _is_this_machine(host: str) -> bool:
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
 
 
 def usual() -> Address:

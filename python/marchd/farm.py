@@ -29,6 +29,7 @@ class Farm:
 
     def __init__(self, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> None:
         self.address = addresses.usual() if address is None else addresses.parse(address)
+        addresses.check_token(self.address, token)
         self.patience_s = patience_s
         self._token = token
         self._lock = threading.Lock()

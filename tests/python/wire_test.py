@@ -10,7 +10,7 @@ from random import Random
 from typing import Any
 from unittest import mock
 
-from marchd import address, answers, calls, errors, follow
+from marchd import AsyncFarm, Farm, address, answers, calls, errors, follow
 from marchd.answer import read
 from marchd.async_farm import AsyncChannel, Link
 from marchd.websocket import WebSocket
@@ -131,6 +131,17 @@ class Addresses(unittest.TestCase):
         for wrong in ("ftp://x", "http://", "http://x?token=1", "http://user@x"):
             with self.assertRaises(errors.FarmError):
                 address.parse(wrong)
+
+    def test_token_is_not_sent_over_a_network_in_clear_text(self) -> None:
+        for text in ("http://127.0.0.1:8470", "http://[::1]:8470", "http://localhost:1", "https://farm.example", "/s"):
+            Farm(text, "t")
+            AsyncFarm(text, "t")
+        for kind in (Farm, AsyncFarm):
+            for text in ("http://farm.example:8470", "http://10.0.0.1", "http://localhost.example"):
+                with self.assertRaisesRegex(errors.FarmError, "https://"):
+                    kind(text, "t")
+            with self.assertRaisesRegex(errors.FarmError, "control characters"):
+                kind("https://farm.example", "t\r\nHost: other")
 
     def test_usual_places_are_those_of_march(self) -> None:
         def usual(**variables: str) -> tuple[str, ...]:
