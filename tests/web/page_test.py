@@ -163,6 +163,14 @@ class PageTest(unittest.TestCase):
         page.has("stub")
         self.assertEqual(len(page.all("tbody tr")), 2)
 
+    def test_keys_are_told(self):
+        self.page.go("#/jobs")
+        self.page.keys("?")
+        self.page.has("pause or resume")
+        self.assertNotIn("[object", self.page.text())
+        self.page.keys("2")
+        self.page.has("Workers", "h1")
+
     def test_reading_session_changes_nothing(self):
         job = self.farm.submit("read_only", "0-4", paused=True)
         self.page.open(self.farm.link("read"))

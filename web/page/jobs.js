@@ -16,7 +16,7 @@ export function phaseText(job) {
 export function errorText(job) {
   const parts = [];
   if (job.measured_error !== null) parts.push(percent(job.measured_error));
-  if (job.tolerance) parts.push(`of ${percent(job.tolerance)}`);
+  if (job.tolerance) parts.push(`${parts.length ? "of" : "≤"} ${percent(job.tolerance)}`);
   if (job.missed) parts.push(`! ${count(job.missed)} over`);
   return parts.join(" ") || (job.draft ? "draft" : "–");
 }
