@@ -287,8 +287,8 @@ static bool has_any(const struct slurm_pool *slurm)
     return allocations_count(&slurm->allocations, ALLOCATION_NONE) < slurm->allocations.count;
 }
 
-// Begins the one call that is due. `is_checked`: what the workers have in hand was looked at in this turn. A machine that
-// was idle at the last look may have frames since.
+// Begins the one call that is due. `is_checked`: what the workers have in hand was looked at in this turn. A machine
+// that was idle at the last look may have frames since.
 static void step(struct slurm_pool *slurm, bool is_checked)
 {
     const struct allocations *allocations = &slurm->allocations;

@@ -28,5 +28,6 @@ struct http_server *http_server_open(const struct http_server_params *params, st
 int http_server_port(const struct http_server *server);
 // Ends all connections, and calls `on_closed` when none is left; the loop then runs out of what the server has in it.
 void http_server_close(struct http_server *server, void (*on_closed)(void *user), void *user);
-// Frees a closed server after the loop has ended: libwebsockets asks for that where the loop is not its own. NULL: none.
+// Frees a closed server after the loop has ended: libwebsockets asks for that where the loop is not its own. NULL:
+// none.
 void http_server_destroy(struct http_server *server);

@@ -24,8 +24,8 @@ static const double STOPS_TOLERANCE = 0.012;
 // Values are floats: a byte is another only where it changes.
 static const int BYTE_TOLERANCE = 1;
 
-// All is dim but the upper right quarter, which is four times as bright; alpha is 0.5, blue does not pass, and the depth
-// grows from 2 m to 10 m from left to right but in the last column, where there is none.
+// All is dim but the upper right quarter, which is four times as bright; alpha is 0.5, blue does not pass, and the
+// depth grows from 2 m to 10 m from left to right but in the last column, where there is none.
 static int write_file(void **state, enum job_compression compression)
 {
     struct image_exr_header header = {
