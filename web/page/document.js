@@ -2,6 +2,8 @@
 import { View, el, percent, table } from "./dom.js";
 import { editDocument } from "./submit.js";
 
+const short = (_, value) => (typeof value === "number" ? Number(value.toPrecision(4)) : value);
+
 export class Plans extends View {
   constructor(view) {
     super();
@@ -13,7 +15,7 @@ export class Plans extends View {
     if (!this.view.shown) return; // it is shown again when the job is known
     const { plans } = await this.view.farm.call("job.plans", { id: this.view.id });
     const rows = plans.map(({ number, quality: { method, ...others }, why, scouts }) => [`${number}`, method,
-      JSON.stringify(others, null, 1).replace(/[{}"]|\n */g, " ").trim(), why, percent(Math.max(...scouts, 0))]);
+      JSON.stringify(others, short, 1).replace(/[{}"\n]/g, "").trim(), why, percent(Math.max(...scouts, 0))]);
     this.root.replaceChildren(rows.length ? table("Plans", ["Plan", "Method", "Numbers", "Why", "Foreseen error"], rows)
       : el("p", { class: "hint" }, "Nothing was planned: the job states its method, or no frame has begun."));
   }

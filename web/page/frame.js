@@ -40,11 +40,10 @@ export class FrameView extends View {
 
   makeTools() {
     this.channel = el("select", { "aria-label": "Channel", onchange: () => this.set({ channel: this.channel.value }) });
-    this.exposure = el("input", { type: "range", min: `${-STOPS}`, max: `${STOPS}`, step: "0.25",
-      "aria-label": "Exposure in stops",
-      oninput: () => this.set({ exposure: Number(this.exposure.value) }) });
-    this.auto = el("input", { type: "checkbox", onchange: () => this.set({ exposure: this.auto.checked ? null
-      : Number(this.exposure.value) }) });
+    this.exposure = el("input", { type: "range", min: `${-STOPS}`, max: `${STOPS}`, step: "0.25", value: "0",
+      "aria-label": "Exposure in stops", oninput: () => this.set({ exposure: Number(this.exposure.value) }) });
+    this.auto = el("input", { type: "checkbox", checked: true,
+      onchange: () => this.set({ exposure: this.auto.checked ? null : Number(this.exposure.value) }) });
     this.zoom = el("select", { "aria-label": "Zoom", onchange: () => this.set({ zoom: Number(this.zoom.value) }) },
       ZOOMS.map((zoom) => el("option", { value: `${zoom}` }, zoom ? `${zoom * 100} %` : "all of it")));
     this.stops = el("output");

@@ -41,8 +41,8 @@ export class JobView extends View {
     this.isOpen = true;
     try {
       this.shown = await this.farm.call("job.show", { id: this.id });
-      this.drawHead();
       await this.map.open();
+      this.drawHead(); // with the frames that failed
       this.selectTab(this.tab);
     } catch (error) {
       this.head.replaceChildren(el("h1", null, `Job ${this.id}`), el("p", { class: "wrong" }, error.message));
