@@ -72,6 +72,22 @@ start_daemon --worker-program "$(stub write:1)"
 wait_state "$second" succeeded
 expect "the first is paused still" "$(field "$first" .state)" paused
 
+# A job that has gone on does not wait again when the other is retried, not even over a SIGKILL before its first frame.
+stop_daemon
+start_daemon --worker-program "$(stub nocontext)"
+before=$(submit "$(job 1 '.output.path = "before/b.####.exr"')" true)
+behind=$(next behind "{\"jobs\":[$before],\"when\":\"over\"}")
+ask job.cancel "{\"id\":$before}" >/dev/null
+wait_until "it goes on" eval '[ "$(told "$behind" | jq -c ".[1]")" = "[]" ]'
+expect "retried" "$(ask job.retry "{\"id\":$before,\"state\":\"canceled\"}" | jq .result.retried)" 1
+kill_daemon
+start_daemon --worker-program "$(stub nocontext)"
+expect "what it waits for" "$(told "$behind" | jq -c '.[1]')" "[]"
+ask job.cancel "{\"id\":$before}" >/dev/null
+stop_daemon
+start_daemon --worker-program "$(stub write:1)"
+wait_state "$behind" succeeded
+
 # A job that was deleted cannot be waited for, and one that a live job waits for does not age out.
 third=$(next last "[$first]")
 fourth=$(next after_all "{\"jobs\":[$first],\"when\":\"over\"}" true)
