@@ -100,7 +100,10 @@ folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut
 dpkg-deb -e "$web" "$scratch/web"
 [ "$(cat "$scratch/web/conffiles")" = /etc/marchd/march-web.conf ] || fail "conffiles of marchd-web: $(cat "$scratch/web/conffiles")"
 grep -q systemd-sysusers "$scratch/web/postinst" || fail "marchd-web makes no user"
-! grep -E "deb-systemd-helper enable|deb-systemd-invoke start" "$scratch/web/postinst" || fail "marchd-web turns itself on"
+! grep -E "deb-systemd-invoke start|_dh_action=start" "$scratch/web/postinst" || fail "marchd-web starts itself"
+# An upgrade enables again what somebody has enabled.
+grep -B 9 "deb-systemd-helper enable" "$scratch/web/postinst" | grep -q "was-enabled 'march-web.service'" ||
+    fail "marchd-web turns itself on"
 ! grep -q march-web "$scratch/control/postinst" || fail "marchd turns the page on"
 
 if command -v shellcheck >/dev/null; then

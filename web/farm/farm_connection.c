@@ -37,7 +37,7 @@ struct farm_connection {
     int open_handles;
     struct message_stream stream;
     bool is_paused, was_full, is_reading;
-    char why[256];
+    struct error why; // that it ended
 };
 
 struct write {
@@ -110,9 +110,9 @@ static void on_handle_closed(uv_handle_t *handle)
 static void end(struct farm_connection *connection, enum farm_end end, const char *why)
 {
     if (connection->stage == CLOSED) return;
-    snprintf(connection->why, sizeof connection->why, "%s", why);
+    error_set(&connection->why, "%s", why);
     farm_connection_close(connection);
-    connection->handlers->on_closed(connection->user, end, connection->why);
+    connection->handlers->on_closed(connection->user, end, connection->why.message);
 }
 
 static void send_line(struct farm_connection *connection, const char *text, size_t length)
