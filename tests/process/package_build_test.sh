@@ -69,7 +69,7 @@ export PYTHONDONTWRITEBYTECODE PYTHONPATH
 dpkg-deb -x "$python" "$scratch/unpacked"
 (cd "$scratch" && python3 -c 'import marchd; assert marchd.__file__.startswith("'"$scratch"'")') || fail "the package's modules cannot be imported"
 depends "$worker" libc6 libuv1 libegl1 libegl-mesa0 libgl1-mesa-dri
-depends "$web" libc6 libuv1 libwebsockets17 libwebsockets-evlib-uv libjs-chart.js "marchd (= $version-7)"
+depends "$web" libc6 libuv1 libwebsockets17 libcurl4 libmd0 libwebsockets-evlib-uv libjs-chart.js "marchd (= $version-7)"
 ! dpkg-deb -f "$worker" Depends | grep -qE 'systemd|sqlite' || fail "a node does not need $(dpkg-deb -f "$worker" Depends)"
 dpkg-deb -I "$worker" | grep -qE ' (post|pre)(inst|rm) ' && fail "marchd-worker has scripts"
 [ "$(dpkg-deb -f "$worker" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"

@@ -7,6 +7,7 @@
 #include "web/farm/farm_calls.h"
 #include "web/http/http_server.h"
 #include "web/http/http_walls.h"
+#include "web/notify/notifier.h"
 #include "web/program/web_check.h"
 #include "web/routes/route_files.h"
 #include "web/routes/route_frame.h"
@@ -30,6 +31,7 @@ struct web {
     bool is_ending;
     struct farm_calls *calls;
     struct route_frame *frames;
+    struct notifier *notifier;
     struct route_files files;
     struct route_session session;
     struct route_socket sockets;
@@ -130,6 +132,20 @@ static void on_signal(uv_signal_t *handle, int number)
     stop(web);
 }
 
+// Where the settings name nobody who could be told, notices stay with the daemon.
+static bool start_notifier(struct web *web, const struct web_options *options, struct error *error)
+{
+    const struct notifier_params params = {.socket_path = options->socket_path,
+                                           .targets = &options->notify_targets,
+                                           .allows_webhooks = options->notify_webhooks,
+                                           .timeout_ms = options->notify_timeout_ms,
+                                           .keep_ms = options->notify_keep_ms};
+
+    if (options->notify_targets.count == 0 && !options->notify_webhooks) return true;
+    web->notifier = notifier_start(&params, error);
+    return web->notifier;
+}
+
 static void announce(const struct web *web, const struct web_options *options)
 {
     log_info("listens at %s (port %d), for the daemon at %s", options->listen, http_server_port(web->server),
@@ -158,12 +174,13 @@ bool web_run(const struct web_options *options, struct error *error)
     watch_signal(&web, &web.terminated, SIGTERM);
     watch_signal(&web, &web.interrupted, SIGINT);
     if (web_check_options(options, &web.origins, error)) web.server = http_server_open(&params, error);
-    is_begun = web.server;
+    is_begun = web.server && start_notifier(&web, options, error);
     if (is_begun)
         announce(&web, options);
     else
         stop(&web);
     uv_run(&web.loop, UV_RUN_DEFAULT);
+    notifier_stop(web.notifier);
     http_server_destroy(web.server);
     uv_loop_close(&web.loop);
     http_origins_finish(&web.origins);

@@ -32,6 +32,10 @@ enum option_code {
     OPTION_PICTURE_WORKERS,
     OPTION_PICTURE_MEMORY,
     OPTION_PICTURE_TIME,
+    OPTION_NOTIFY_TARGET,
+    OPTION_NOTIFY_WEBHOOKS,
+    OPTION_NOTIFY_TIMEOUT,
+    OPTION_NOTIFY_KEEP,
     OPTION_LOG_LEVEL,
     OPTION_HELP,
     OPTION_VERSION
@@ -55,6 +59,10 @@ static const struct option long_options[] = {
     {"picture-workers", required_argument, NULL, OPTION_PICTURE_WORKERS},
     {"picture-memory", required_argument, NULL, OPTION_PICTURE_MEMORY},
     {"picture-time", required_argument, NULL, OPTION_PICTURE_TIME},
+    {"notify-target", required_argument, NULL, OPTION_NOTIFY_TARGET},
+    {"notify-webhooks", required_argument, NULL, OPTION_NOTIFY_WEBHOOKS},
+    {"notify-timeout", required_argument, NULL, OPTION_NOTIFY_TIMEOUT},
+    {"notify-keep", required_argument, NULL, OPTION_NOTIFY_KEEP},
     {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
@@ -74,6 +82,7 @@ struct setter {
     struct mistakes *mistakes;
     const char *current_folder; // NULL: paths must be absolute
     bool has_origins;           // the source has set some: it adds more to them
+    bool has_targets;           // likewise
 };
 
 static bool set_path(const struct setter *setter, char **path, const char *name, const char *text, struct error *error)
@@ -110,6 +119,30 @@ static void add_origin(struct setter *setter, const char *text)
     options->origins =
         xgrow(options->origins, &options->origin_capacity, options->origin_count + 1, sizeof options->origins[0]);
     options->origins[options->origin_count++] = xstrdup(text);
+}
+
+// The first target of a source replaces those of the sources before it.
+static bool add_target(struct setter *setter, const char *text, struct error *error)
+{
+    if (!setter->has_targets) notify_targets_finish(&setter->options->notify_targets);
+    setter->has_targets = true;
+    return notify_targets_add(&setter->options->notify_targets, text, error);
+}
+
+static bool set_notify(struct setter *setter, int code, const char *text, struct error *error)
+{
+    struct web_options *options = setter->options;
+
+    switch (code) {
+    case OPTION_NOTIFY_TARGET:
+        return add_target(setter, text, error);
+    case OPTION_NOTIFY_WEBHOOKS:
+        return options_value_switch("notify-webhooks", text, &options->notify_webhooks, error);
+    case OPTION_NOTIFY_TIMEOUT:
+        return options_value_seconds("notify-timeout", text, 1, &options->notify_timeout_ms, error);
+    default:
+        return options_value_seconds("notify-keep", text, 1, &options->notify_keep_ms, error);
+    }
 }
 
 static bool set_picture_option(struct setter *setter, int code, const char *text, struct error *error)
@@ -159,6 +192,11 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return options_value_count("connections", text, CONNECTION_LIMIT, &options->connection_limit, error);
     case OPTION_ADDRESS_CONNECTIONS:
         return options_value_count("address-connections", text, CONNECTION_LIMIT, &options->address_limit, error);
+    case OPTION_NOTIFY_TARGET:
+    case OPTION_NOTIFY_WEBHOOKS:
+    case OPTION_NOTIFY_TIMEOUT:
+    case OPTION_NOTIFY_KEEP:
+        return set_notify(setter, code, text, error);
     case OPTION_LOG_LEVEL:
         return options_value_level(text, &options->log_level, error);
     default:
@@ -329,6 +367,8 @@ bool web_options_read(struct web_options *options, int argc, char **argv, const 
     *options = (struct web_options){.connection_limit = 1024,
                                     .address_limit = 512,
                                     .log_level = LOG_INFO,
+                                    .notify_timeout_ms = 30 * 1000,
+                                    .notify_keep_ms = 24 * 3600 * 1000,
                                     .cache_bytes = INT64_C(1) << 30,
                                     .picture_memory_bytes = INT64_C(1) << 30,
                                     .picture_time_ms = 30000,
@@ -350,5 +390,6 @@ void web_options_finish(struct web_options *options)
     free(options->cache_folder);
     free(options->config_file);
     drop_origins(options);
+    notify_targets_finish(&options->notify_targets);
     *options = (struct web_options){0};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/log.h"
+#include "web/notify/notify_target.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -35,6 +36,10 @@ struct web_options {
     char *cache_folder;   // where they are kept
     int64_t cache_bytes, picture_memory_bytes, picture_time_ms;
     int picture_workers;
+    struct notify_targets notify_targets; // whom jobs may name
+    bool notify_webhooks;                 // jobs may name addresses
+    int64_t notify_timeout_ms;            // of one attempt to tell one
+    int64_t notify_keep_ms;               // so long a notice is tried
     enum log_level log_level;
     char *config_file;              // NULL, or the file whose settings were read
     bool wants_check;               // only the settings are to be checked
