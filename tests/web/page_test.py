@@ -150,6 +150,7 @@ class PageTest(unittest.TestCase):
         self.open_job(job)
         self.farm.stop_daemon()
         page.has("not live", "#link")
+        page.has("the daemon is away", "#link")
         self.farm.start_daemon()
         wait_until("the page is live again", page.is_live)
         self.farm.ask("job.resume", {"id": job})

@@ -44,7 +44,7 @@ export class Farm extends EventTarget {
     try {
       const answer = await fetch("/session", { cache: "no-store" });
       if (answer.status === 401) return this.setState("closed");
-      if (!answer.ok) throw new Error(`the server answers ${answer.status}`);
+      if (!answer.ok) throw new Error(answer.status === 503 ? "the daemon is away" : `an answer of ${answer.status}`);
       this.session = await answer.json();
     } catch (error) {
       return this.retry(error.message);
