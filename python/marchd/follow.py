@@ -44,6 +44,7 @@ class Follower:
         self.ids = None if ids is None else frozenset(ids)
         self._workers = workers
         self._told: set[int] = set()  # by events since the subscription: what a list says of them is older
+        self._held: list[Event] | None = []  # of frames and workers, until each job is told; None: all are
         self._asked: dict[int, calls.Call[Any]] = {}
         self._number = 0
         self._to_send: list[str] = []
@@ -100,6 +101,9 @@ class Follower:
         else:
             gone = sorted(set(call.params["ids"]) - {job.id for job in found} - self._told)
             events += [answers.DeletedEvent("deleted", number) for number in gone]
+        if self._held is not None and not any(asked.method == "job.list" for asked in self._asked.values()):
+            events += self._held
+            self._held = None
         return events
 
     def _take_event(self, params: Any) -> list[Event]:
@@ -111,13 +115,20 @@ class Follower:
         except TypeError as error:
             raise errors.FarmError(f"the farm tells otherwise than this client expects: {error}") from error
         if isinstance(event, answers.WorkerEvent):
-            return [event] if self._workers else []
+            return self._hold(event) if self._workers else []
         number = event.job.id if isinstance(event, answers.JobEvent) else event.id
         if self.ids is not None and number not in self.ids:
             return []
         if isinstance(event, (answers.JobEvent, answers.DeletedEvent)):
             self._told.add(number)
-        return [event]
+            return [event]
+        return self._hold(event)
+
+    def _hold(self, event: answers.Event) -> list[Event]:
+        if self._held is None:
+            return [event]
+        self._held.append(event)
+        return []
 
 
 class Waiting:

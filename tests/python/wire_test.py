@@ -215,6 +215,16 @@ class Following(unittest.TestCase):
         self.assertEqual([event.job.id for event in events if isinstance(event, answers.JobEvent)], [1])
         self.assertEqual(json.loads(follower.take_to_send()[0])["params"]["cursor"], "c")
 
+    def test_jobs_are_told_before_their_frames(self) -> None:
+        follower = self.follower()
+        follower.take_to_send()
+        frame = {"type": "frame", "id": 1, "frame": 5, "state": "running", "attempt": 1, "error": None}
+        self.assertEqual(self.event(follower, **frame), [])
+        self.assertEqual(follower.take(json.dumps({"id": 2, "result": {"jobs": [], "next": "c", "total": 1}})), [])
+        listed = follower.take(json.dumps({"id": 3, "result": {"jobs": [job(1)], "next": None, "total": 1}}))
+        self.assertEqual([event.type for event in listed], ["job", "frame"])
+        self.assertEqual([event.type for event in self.event(follower, **frame)], ["frame"])
+
     def test_jobs_that_are_not_listed_are_gone(self) -> None:
         follower = self.follower(5, 6)
         self.assertEqual(json.loads(follower.take_to_send()[0])["params"], {"ids": [5, 6]})
