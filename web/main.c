@@ -65,9 +65,19 @@ static void find_program_folder(char folder[static PATH_MAX])
         snprintf(folder, PATH_MAX, "/usr/bin");
 }
 
+// The page of this very build or installation, "../share" as seen from the program; else the installed one.
+static const char *find_data_folder(const char *program_folder, char folder[static PATH_MAX])
+{
+    char page[PATH_MAX + 32];
+
+    snprintf(folder, PATH_MAX, "%.4000s/../share", program_folder);
+    snprintf(page, sizeof page, "%s/marchd/page", folder);
+    return access(page, F_OK) == 0 ? folder : MARCHD_DATA_DIR;
+}
+
 int main(int argc, char **argv)
 {
-    char folder[PATH_MAX], program_folder[PATH_MAX];
+    char folder[PATH_MAX], program_folder[PATH_MAX], data_folder[PATH_MAX];
     struct web_surroundings surroundings = {.home = getenv("HOME"),
                                             .xdg_config_home = getenv("XDG_CONFIG_HOME"),
                                             .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
@@ -75,7 +85,6 @@ int main(int argc, char **argv)
                                             .marchd_socket = getenv("MARCHD_SOCKET"),
                                             .config_path = "/etc/marchd/march-web.conf",
                                             .current_folder = getcwd(folder, sizeof folder) ? folder : "/",
-                                            .data_folder = MARCHD_DATA_DIR,
                                             .program_folder = program_folder,
                                             .xdg_cache_home = getenv("XDG_CACHE_HOME"),
                                             .cache_directory = getenv("CACHE_DIRECTORY"),
@@ -84,6 +93,7 @@ int main(int argc, char **argv)
     int status = EXIT_SUCCESS;
 
     find_program_folder(program_folder);
+    surroundings.data_folder = find_data_folder(program_folder, data_folder);
     if (!web_options_read(&options, argc, argv, &surroundings, print_mistake, NULL)) return EXIT_USAGE;
     if (options.wants_help)
         fputs(web_help, stdout);
