@@ -331,8 +331,7 @@ no_srun()
 half_look()
 {
     start_farm
-    begin_work half 200
-    settle
+    begin_work half 600
     cat >"$scratch/commands/squeue" <<'END'
 #!/bin/bash
 /usr/bin/squeue "$@" | head -n 2
@@ -340,7 +339,7 @@ kill -KILL $$
 END
     chmod +x "$scratch/commands/squeue"
     wait_until "its silence is told" grep -q "Slurm does not answer" "$scratch/daemon.log"
-    end_work half 200
+    end_work half 600
     expect "machines at work" "$(workers .node | jq -c unique)" '["n1","n2","n3"]'
     grep "knows no job" "$scratch/daemon.log" && fail "a machine was given up"
     rm "$scratch/commands/squeue"
