@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/after_look.h"
 #include "daemon/jobs/events.h"
 #include "daemon/loop/loop_turns.h"
 
@@ -18,14 +19,6 @@ struct after_desk {
     struct farm *farm; // borrowed; outlives us
     int64_t *ids;      // owned; of jobs to look at
     size_t count, capacity, next;
-};
-
-// What those that a job comes after are like.
-struct after_look {
-    size_t open_count;                     // of those that are not over
-    const struct job_record *open;         // the first of them
-    const struct job_record *unsuccessful; // the first that is over and did not succeed
-    int64_t gone;                          // the first that was deleted; 0: none
 };
 
 static bool on_look_step(struct loop_task *task);
@@ -109,38 +102,6 @@ bool after_desk_is_needed(const struct farm *farm, const struct job_record *reco
     return false;
 }
 
-// A job is over once its last frames have left the workers.
-static bool is_over(const struct job_record *record)
-{
-    return !queue_job_is_live(record->queued) && record->is_ending && !record->is_retry_waiting;
-}
-
-static struct after_look look(const struct farm *farm, const struct job_record *record)
-{
-    struct after_look look = {0};
-
-    for (size_t i = 0; i < record->after.count; i++) {
-        const struct job_record *first = job_table_find(&farm->jobs, record->after.ids[i]);
-
-        if (!first) {
-            if (look.gone == 0) look.gone = record->after.ids[i];
-        } else if (!is_over(first)) {
-            if (look.open_count++ == 0) look.open = first;
-        } else if (queue_job_state(first->queued) != JOB_SUCCEEDED && !look.unsuccessful) {
-            look.unsuccessful = first;
-        }
-    }
-    return look;
-}
-
-static enum queue_wait find_wait(const struct farm *farm, const struct job_record *record)
-{
-    const struct after_look found = look(farm, record);
-
-    if (!record->after.takes_any_end && (found.gone || found.unsuccessful)) return QUEUE_WAITS_IN_VAIN;
-    return found.open_count > 0 ? QUEUE_WAITS : QUEUE_WAITS_NOT;
-}
-
 void after_desk_release(struct farm *farm, struct job_record *record)
 {
     record->waits = false;
@@ -151,7 +112,7 @@ void after_desk_release(struct farm *farm, struct job_record *record)
 static void look_at(struct farm *farm, struct job_record *record)
 {
     struct log_subject subject = job_record_subject(record);
-    enum queue_wait wait = find_wait(farm, record);
+    enum queue_wait wait = after_look_find_wait(farm, record);
 
     if (wait == record->queued->wait) return;
     if (wait == QUEUE_WAITS_NOT) {
@@ -163,7 +124,7 @@ static void look_at(struct farm *farm, struct job_record *record)
         char *reason;
 
         queue_set_wait(record->queued, wait);
-        reason = after_desk_format_reason(farm, record);
+        reason = after_look_format_reason(farm, record);
         log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name, reason);
         free(reason);
     }
@@ -182,35 +143,4 @@ static bool on_look_step(struct loop_task *task)
     if (desk->next < desk->count) return true;
     desk->next = desk->count = 0;
     return false;
-}
-
-static char *format_vain(const struct after_look *found, const struct job_record *record)
-{
-    if (found->gone)
-        return xasprintf("paused: job %lld, which it comes after, was deleted: march resume %lld renders it all the "
-                         "same",
-                         (long long)found->gone, (long long)record->id);
-    return xasprintf("paused: job %lld (\"%s\"), which it comes after, %s: march retry %lld, or march resume %lld to "
-                     "render it all the same",
-                     (long long)found->unsuccessful->id, found->unsuccessful->name,
-                     queue_job_state(found->unsuccessful->queued) == JOB_CANCELED ? "was canceled" : "failed",
-                     (long long)found->unsuccessful->id, (long long)record->id);
-}
-
-char *after_desk_format_reason(const struct farm *farm, const struct job_record *record)
-{
-    const struct after_look found = look(farm, record);
-    const struct frame_states *states;
-    char *more, *text;
-    int64_t done;
-
-    if (!record->after.takes_any_end && (found.gone || found.unsuccessful)) return format_vain(&found, record);
-    if (!found.open) return xstrdup("waits no more: it goes on in a moment");
-    states = &found.open->queued->states;
-    done = states->counts[FRAME_SUCCEEDED] + states->counts[FRAME_SKIPPED];
-    more = found.open_count > 1 ? xasprintf(", and for %zu more", found.open_count - 1) : xstrdup("");
-    text = xasprintf("waits for job %lld (\"%s\"): %lld of its %lld frames are done%s", (long long)found.open->id,
-                     found.open->name, (long long)done, (long long)states->frame_count, more);
-    free(more);
-    return text;
 }

@@ -24,5 +24,3 @@ void after_desk_forget(struct farm *farm, const struct job_record *record); // i
 // The job waits no more, whatever it waits for. The caller stores it.
 void after_desk_release(struct farm *farm, struct job_record *record);
 bool after_desk_is_needed(const struct farm *farm, const struct job_record *record); // a live job waits for it
-// What the job waits for, or why that is in vain; owned by the caller.
-char *after_desk_format_reason(const struct farm *farm, const struct job_record *record);

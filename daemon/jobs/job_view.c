@@ -6,7 +6,7 @@
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/pool_access.h"
-#include "daemon/jobs/after_desk.h"
+#include "daemon/jobs/after_look.h"
 #include "daemon/schedule/eta.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -103,7 +103,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
 
     if (store_trouble) return xstrdup(store_trouble);
     if (record->queued->states.counts[FRAME_QUEUED] == 0) return NULL;
-    if (record->queued->wait == QUEUE_WAITS) return after_desk_format_reason(farm, record);
+    if (record->queued->wait == QUEUE_WAITS) return after_look_format_reason(farm, record);
     if (farm->drain.user) return farm_format_drain(farm);
     if (record->queued->states.counts[FRAME_RUNNING] > 0) return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
@@ -132,7 +132,7 @@ static char *format_reason(const struct farm *farm, const struct job_record *rec
         return xasprintf("%lld of its frames missed the tolerance", (long long)queued->states.missed_count);
     case JOB_PAUSED:
         if (!queued->is_paused && queued->block == QUEUE_AWAY) return root_format_reason(record->output_root);
-        if (!queued->is_paused) return after_desk_format_reason(farm, record);
+        if (!queued->is_paused) return after_look_format_reason(farm, record);
         return record->reason ? xstrdup(record->reason) : NULL;
     case JOB_CANCELED:
         return record->reason ? xstrdup(record->reason) : NULL;

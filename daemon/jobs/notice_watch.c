@@ -3,7 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "daemon/farm/farm.h"
-#include "daemon/jobs/after_desk.h"
+#include "daemon/jobs/after_look.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/jobs/notices.h"
 #include "daemon/store/committer.h"
@@ -52,7 +52,7 @@ static char *find_why(const struct farm *farm, const struct job_record *record, 
     if (!queue_job_is_live(queued)) return NULL;
     switch (cause) {
     case NOTICE_HELD:
-        if (!queued->is_paused && queued->wait == QUEUE_WAITS_IN_VAIN) return after_desk_format_reason(farm, record);
+        if (!queued->is_paused && queued->wait == QUEUE_WAITS_IN_VAIN) return after_look_format_reason(farm, record);
         if (!queued->is_paused || !record->reason || strncmp(record->reason, by_fault, strlen(by_fault)) != 0)
             return NULL;
         return xstrdup(record->reason);
