@@ -7,7 +7,11 @@
 #include <stdint.h>
 
 // A line may have 4 MiB, and be 16 times as large once it is read: only so many of a user are received at a time.
-enum { CLIENT_ACCOUNT_LONG_LINES = 4, CLIENT_ACCOUNT_CLIENTS = 64 }; // the latter: connections of one user
+enum {
+    CLIENT_ACCOUNT_LONG_LINES = 4,
+    CLIENT_ACCOUNT_CLIENTS = 64,      // connections of one user
+    CLIENT_ACCOUNT_WEB_CLIENTS = 1024 // of the web user, before they show tokens: each is somebody's page
+};
 
 struct client_account {
     int64_t uid;

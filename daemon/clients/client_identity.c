@@ -44,17 +44,23 @@ void client_identity_take(struct client *client, const struct client_identity *i
     client->access = identity->access;
 }
 
+// A long message that is being read off the loop is handled after this: with no rights.
+static void end_token(struct client *client, const char *why)
+{
+    client->access.kind = ACCESS_DROPPED;
+    client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
+}
+
 void client_identity_end_token(struct client *client, int64_t token, const char *why)
 {
     while (client->previous)
         client = client->previous;
     for (; client; client = client->next)
         if (client->access.kind == ACCESS_TOKEN && client->access.token == token && !client->is_closing)
-            client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
+            end_token(client, why);
 }
 
 void client_identity_check(struct client *client, int64_t now_ms)
 {
-    if (access_has_expired(&client->access, now_ms) && !client->is_closing)
-        client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, "token: it has expired");
+    if (access_has_expired(&client->access, now_ms) && !client->is_closing) end_token(client, "token: it has expired");
 }

@@ -177,26 +177,28 @@ struct listener *listener_open(uv_loop_t *loop, const struct listener_params *pa
 }
 
 // No user may take all descriptors. Root and the daemon's own user are exempt: they could kill the daemon anyway.
-static bool is_over_limit(const struct client *client)
+static bool is_over_limit(const struct client *client, size_t limit)
 {
     int64_t uid = client->peer.uid;
 
-    return uid != 0 && uid != geteuid() && client->outgoing.account->client_count > CLIENT_ACCOUNT_CLIENTS;
+    return uid != 0 && uid != geteuid() && client->outgoing.account->client_count > limit;
 }
 
 static void add_client(struct listener *listener, struct client *client)
 {
+    bool is_web = rights_is_web_user(listener->params.rights, &client->peer);
+    size_t limit = is_web ? CLIENT_ACCOUNT_WEB_CLIENTS : CLIENT_ACCOUNT_CLIENTS;
     char why[128];
 
     client->next = listener->clients;
     if (client->next) client->next->previous = client;
     listener->clients = client;
     client->outgoing.account = client_accounts_join(&listener->accounts, client->peer.uid);
-    if (!is_over_limit(client)) {
+    if (!is_over_limit(client, limit)) {
         client_start(client);
         return;
     }
-    snprintf(why, sizeof why, "connections: %.40s may have %d at a time", client->user, CLIENT_ACCOUNT_CLIENTS);
+    snprintf(why, sizeof why, "connections: %.40s may have %zu at a time", client->user, limit);
     client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
 }
 

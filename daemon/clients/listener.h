@@ -15,6 +15,7 @@ struct listener_params {
     struct loop_turns *turns;
     struct work_desk *desk;
     struct memory_return *memory;
+    const struct rights *rights; // who is the web user
     // As in struct client_host.
     void (*on_message)(void *user, struct client *client, struct message *message);
     void (*on_gone)(void *user, struct client *client); // nothing may be sent to it

@@ -150,6 +150,7 @@ static bool listen_for_clients(struct daemon *daemon, const struct options *opti
                                            .turns = daemon->farm.turns,
                                            .desk = daemon->farm.work,
                                            .memory = daemon->farm.memory,
+                                           .rights = &daemon->farm.rights,
                                            .on_message = on_message,
                                            .on_gone = on_client_gone,
                                            .user = daemon};

@@ -229,4 +229,12 @@ expect "a token after a restart" "$(sign_in "$submit_token" | jq -r .result.user
 expect "a session after a restart" "$(sign_in "$session" | jq -r .result.user)" games
 expect_error "$(sign_in "$read_token")" 2 "$wrong"
 expect_error "$(sign_in "$once")" 2 "$wrong"
+
+# Each of the web user's connections is somebody's page: it may have more than a user, and a user no more than that.
+keep() { for _ in $(seq 70); do message daemon.status | as "$1" "$2" "$bin/socket-client" --keep "$socket" >>"$scratch/stay-$1" & done; }
+keep "${web[@]}"
+keep "${bob[@]}"
+wait_until "all are answered" eval '[ "$(cat "$scratch"/stay-* | wc -l)" = 140 ]'
+expect "of the web user's, refused" "$(grep -c '"message":"connections:' "$scratch/stay-${web[0]}")" 0
+expect "of a user's, refused" "$(grep -c 'connections: man may have 64 at a time' "$scratch/stay-${bob[0]}")" 6
 stop_daemon

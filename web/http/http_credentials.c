@@ -45,6 +45,8 @@ char *http_credentials_from_header(const char *authorization)
 char *http_credentials_from_cookie(const char *cookies)
 {
     static const char name[] = HTTP_COOKIE_NAME "=";
+    const char *found = NULL;
+    size_t found_length = 0;
 
     while (*cookies) {
         size_t length;
@@ -56,11 +58,13 @@ char *http_credentials_from_cookie(const char *cookies)
 
             while (length > skipped && strchr(" \t", cookies[length - 1]))
                 length--;
-            return take(cookies + skipped, length - skipped);
+            if (found) return NULL;
+            found = cookies + skipped;
+            found_length = length - skipped;
         }
-        cookies += length;
+        cookies += strcspn(cookies, ";");
     }
-    return NULL;
+    return found ? take(found, found_length) : NULL;
 }
 
 void http_credentials_free(char *token)

@@ -12,6 +12,7 @@ enum { HTTP_TOKEN_LIMIT = 256 }; // the longest text that can be a token, in byt
 bool http_token_is_well_formed(const char *token);
 // The token of "Bearer TOKEN", or NULL. Owned by the caller.
 char *http_credentials_from_header(const char *authorization);
-// The token of our cookie in a header Cookie, the first where there are several, or NULL. Owned by the caller.
+// The token of our cookie in a header Cookie, or NULL: also where there are several, for one may be planted. Owned by
+// the caller.
 char *http_credentials_from_cookie(const char *cookies);
 void http_credentials_free(char *token); // wipes it; accepts NULL

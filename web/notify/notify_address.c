@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/notify/notify_address.h"
 
+#include <ifaddrs.h>
 #include <netinet/in.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -71,4 +72,30 @@ bool notify_address_is_public(const struct sockaddr *address)
         return is_public6(host.sin6_addr.s6_addr);
     }
     return false;
+}
+
+// As IPv6, in which an IPv4 address is a mapped one.
+static bool take_address(const struct sockaddr *address, struct in6_addr *taken)
+{
+    *taken = (struct in6_addr){.s6_addr = {[10] = 0xff, [11] = 0xff}};
+    if (address && address->sa_family == AF_INET6)
+        memcpy(taken, (const char *)address + offsetof(struct sockaddr_in6, sin6_addr), sizeof *taken);
+    else if (address && address->sa_family == AF_INET)
+        memcpy(&taken->s6_addr[12], (const char *)address + offsetof(struct sockaddr_in, sin_addr), 4);
+    else
+        return false;
+    return true;
+}
+
+bool notify_address_is_own(const struct sockaddr *address)
+{
+    struct in6_addr wanted, own;
+    struct ifaddrs *interfaces;
+    bool is_own = false;
+
+    if (!take_address(address, &wanted) || getifaddrs(&interfaces) != 0) return true;
+    for (const struct ifaddrs *entry = interfaces; entry && !is_own; entry = entry->ifa_next)
+        is_own = take_address(entry->ifa_addr, &own) && memcmp(&own, &wanted, sizeof own) == 0;
+    freeifaddrs(interfaces);
+    return is_own;
 }

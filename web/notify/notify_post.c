@@ -28,7 +28,7 @@ struct post {
     struct curl_slist *headers; // owned
     char text[CURL_ERROR_SIZE]; // curl's error
     bool may_be_private;
-    bool is_refused; // its address
+    bool is_refused, is_tried; // some address of it
     size_t reply_size;
     struct notify_line *line; // borrowed
     struct post *next;
@@ -159,8 +159,11 @@ static curl_socket_t on_open_socket(void *user, curlsocktype purpose, struct cur
 {
     struct post *post = user;
 
-    if (purpose == CURLSOCKTYPE_IPCXN && (post->may_be_private || notify_address_is_public(&address->addr)))
+    if (purpose == CURLSOCKTYPE_IPCXN && (post->may_be_private || (notify_address_is_public(&address->addr) &&
+                                                                   !notify_address_is_own(&address->addr)))) {
+        post->is_tried = true;
         return socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+    }
     post->is_refused = true;
     return CURL_SOCKET_BAD;
 }
@@ -183,7 +186,7 @@ static enum notify_outcome judge(const struct post *post, CURLcode result, char 
 
     curl_easy_getinfo(post->easy, CURLINFO_RESPONSE_CODE, &status);
     if (status / 100 == 2) return NOTIFY_DELIVERED;
-    if (post->is_refused && status == 0) {
+    if (post->is_refused && !post->is_tried && status == 0) {
         snprintf(why, WHY_SIZE, "its address is of this machine or of a private network");
         return NOTIFY_HOPELESS;
     }

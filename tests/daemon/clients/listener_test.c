@@ -6,6 +6,7 @@
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
+#include "daemon/users/rights.h"
 #include "tests/support/temp_folder.h"
 
 #include <dirent.h>
@@ -62,7 +63,8 @@ static void connections_are_accepted_by_turns_and_descriptors(void **state)
     struct error error = {0};
     int fds[CONNECTIONS], before;
     uv_loop_t loop;
-    struct listener_params params = {.path = path, .on_message = on_message, .on_gone = on_gone};
+    const struct rights rights = {.daemon_uid = geteuid(), .admin_gid = -1};
+    struct listener_params params = {.path = path, .rights = &rights, .on_message = on_message, .on_gone = on_gone};
 
     uv_loop_init(&loop);
     params.turns = loop_turns_open(&loop);

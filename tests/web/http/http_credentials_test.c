@@ -52,11 +52,13 @@ static void our_cookie_is_found_among_others(void **state)
     expect_from_cookie("a=b;marchd_session=abc ;c=d", "abc");
     expect_from_cookie("xmarchd_session=abc", NULL);
     expect_from_cookie("a=marchd_session=abc", NULL);
+    expect_from_cookie("marchd_session=abc; marchd_session=abd", NULL);
+    expect_from_cookie("marchd_session=abc; a=b; marchd_session=abc", NULL);
     expect_from_cookie("marchd_session=", NULL);
     expect_from_cookie("marchd_session", NULL);
     expect_from_cookie(";;; ;", NULL);
     expect_from_cookie("", NULL);
-    expect_from_cookie("marchd_session=one; marchd_session=two", "one");
+    expect_from_cookie("marchd_session=one; marchd_session=two", NULL);
 }
 
 static void what_cannot_be_a_token_is_none(void **state)

@@ -106,10 +106,26 @@ static void other_families_are_not(void **state)
     assert_false(notify_address_is_public((const struct sockaddr *)&path));
 }
 
+static void addresses_of_this_machine_are_its_own(void **state)
+{
+    const struct sockaddr_in here = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    const struct sockaddr_in there = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(0x01010101)};
+    const struct sockaddr_un other = {.sun_family = AF_UNIX};
+    struct sockaddr_in6 mapped = {.sin6_family = AF_INET6};
+
+    (void)state;
+    inet_pton(AF_INET6, "::ffff:127.0.0.1", &mapped.sin6_addr);
+    assert_true(notify_address_is_own((const struct sockaddr *)&here));
+    assert_true(notify_address_is_own((const struct sockaddr *)&mapped));
+    assert_true(notify_address_is_own((const struct sockaddr *)&other));
+    assert_false(notify_address_is_own((const struct sockaddr *)&there));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hosts_of_the_internet_are_public),
+        cmocka_unit_test(addresses_of_this_machine_are_its_own),
         cmocka_unit_test(all_others_are_not),
         cmocka_unit_test(other_families_are_not),
     };
