@@ -3,6 +3,7 @@ web_pid=
 web_port=
 as_web=() # what march-web is started with
 export XDG_CACHE_HOME=$scratch # its pictures are kept below
+export PYTHONPATH=$PROJECT_ROOT/tests/process PYTHONDONTWRITEBYTECODE=1
 
 [ -x "$bin/march-web" ] || fail "there is no $bin/march-web: build all targets, not only the programs"
 
@@ -49,4 +50,28 @@ web_python()
         tail -n 40 "$scratch/web.log" >&2
         fail "$1"
     }
+}
+
+# get PATH [HEADER: VALUE]: asks with $token; prints the status; the body is in $scratch/body, the headers in $scratch/head as JSON.
+get()
+{
+    python3 - "$web_port" "$token" "$scratch" "$@" <<'PYTHON'
+import json, sys, web_client
+port, token, scratch, path = sys.argv[1:5]
+headers = web_client.bearer(token) if token else {}
+headers.update([text.split(": ", 1) for text in sys.argv[5:]])
+answer = web_client.ask(int(port), "GET", path, headers)
+open(scratch + "/body", "wb").write(answer.body)
+json.dump(answer.headers, open(scratch + "/head", "w"))
+print(answer.status)
+PYTHON
+}
+
+head_of() { jq -r ".[\"$1\"] // empty" "$scratch/head"; }
+
+# expect_get STATUS PATH [TEXT of the error]
+expect_get()
+{
+    expect "GET $2: $(head -c 300 "$scratch/body" 2>/dev/null | tr -cd '[:print:]')" "$(get "$2")" "$1"
+    [ -z "${3-}" ] || [[ $(jq -r .error "$scratch/body") == *"$3"* ]] || fail "GET $2: expected \"$3\", got $(cat "$scratch/body")"
 }

@@ -2,7 +2,6 @@
 # Pictures of frames over HTTP: of real frames, of files that strangers put in their place, and what is kept of them.
 . "$(dirname "$0")/farm.sh"
 . "$(dirname "$0")/web.sh"
-export PYTHONPATH=$PROJECT_ROOT/tests/process PYTHONDONTWRITEBYTECODE=1
 
 # start_showing OPTION...: starts march-web with a cache and a worker of the test's own.
 start_showing()
@@ -14,30 +13,6 @@ stop_showing()
 {
     stop_web
     if grep -F "$token" "$scratch/web.log"; then fail "a token is in the log"; fi
-}
-
-# get PATH [HEADER: VALUE]: prints the status; the body is in $scratch/body, the headers in $scratch/head as JSON.
-get()
-{
-    python3 - "$web_port" "$token" "$scratch" "$@" <<'PYTHON'
-import json, sys, web_client
-port, token, scratch, path = sys.argv[1:5]
-headers = web_client.bearer(token) if token else {}
-headers.update([text.split(": ", 1) for text in sys.argv[5:]])
-answer = web_client.ask(int(port), "GET", path, headers)
-open(scratch + "/body", "wb").write(answer.body)
-json.dump(answer.headers, open(scratch + "/head", "w"))
-print(answer.status)
-PYTHON
-}
-
-head_of() { jq -r ".[\"$1\"] // empty" "$scratch/head"; }
-
-# expect_get STATUS PATH [TEXT of the error]
-expect_get()
-{
-    expect "GET $2: $(head -c 300 "$scratch/body" 2>/dev/null | tr -cd '[:print:]')" "$(get "$2")" "$1"
-    [ -z "${3-}" ] || [[ $(jq -r .error "$scratch/body") == *"$3"* ]] || fail "GET $2: expected \"$3\", got $(cat "$scratch/body")"
 }
 
 png_size() { python3 -c 'import struct,sys; b=open(sys.argv[1],"rb").read(); assert b[:8]==b"\x89PNG\r\n\x1a\n"; print("%dx%d"%struct.unpack(">II",b[16:24]))' "$scratch/body"; }

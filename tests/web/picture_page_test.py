@@ -77,6 +77,19 @@ class PicturePageTest(unittest.TestCase):
         self.assertEqual(len({address.split("exposure=")[1].split("&")[0] for address in addresses if "exposure=" in address}), 1)
         self.assertEqual(page.complaints(), [])
 
+    def test_plan_says_what_is_modelled_and_why(self):
+        page = self.page
+        page.go(f"#/jobs/{self.job}/plan")
+        page.has("Not modelled", "#panel")
+        told = page.run("return [...document.querySelectorAll('#panel table')].map(t => [t.caption.textContent,"
+                        "[...t.rows].map(r => [...r.cells].map(c => c.textContent))])")
+        tables = dict(told)
+        self.assertEqual([row for row in tables["Modelled"] if row[0] == "depth"], [["depth", "output.aovs names Z"]])
+        self.assertIn(["multiple scattering", "light is scattered once at most"], tables["Not modelled"])
+        methods = dict(tables["Evaluations of densities for one sample, counted"][1:])
+        self.assertGreater(int(methods["midpoint"].replace(",", "")), 0)
+        self.assertEqual(page.complaints(), [])
+
     def test_what_is_no_picture_says_why(self):
         file = pathlib.Path(self.farm.ask("job.frames", {"id": self.job})["frames"][5]["path"])
         good = file.read_bytes()

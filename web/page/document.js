@@ -1,14 +1,31 @@
-// What was planned for a job, and its document.
-import { View, el, percent, table } from "./dom.js";
+// What was planned for a job, what march explain says of it, and its document.
+import { View, el, facts, count, percent, table } from "./dom.js";
+import { getAnswer } from "./frame.js";
 import { editDocument } from "./submit.js";
 
 const short = (_, value) => (typeof value === "number" ? Number(value.toPrecision(4)) : value);
+
+const hint = (text) => el("p", { class: "hint" }, text);
+const notAllowed = () => hint("Only its owner and administrators may read a job's document.");
+
+async function explain({ id, shown }) {
+  if (!shown.document) return [notAllowed()];
+  const { counted, ...lists } = await (await getAnswer(`/job/${id}/explain`)).json();
+  const each = counted.evaluations, about = (number) => number && count(Number(number.toPrecision(2)));
+  const titled = (title, heads, rows) => (rows.length ? [el("h2", null, title), table(title, heads, rows)] : []);
+  const features = (title, list) => titled(title, ["What", "Why"], list.map(({ feature, why }) => [feature, why]));
+  return [features("Modelled", lists.modelled), features("Not modelled", lists.not_modelled),
+    titled("Evaluations of densities for one sample, counted", ["Method", "Evaluations"],
+      counted.methods.map(({ method, evaluations }) => [method, about(evaluations)])),
+    each ? facts([["A pixel, at most", about(each)], ["A frame", about(each * counted.pixels)],
+      ["All frames", about(each * counted.pixels * counted.frames)]]) : ""].flat();
+}
 
 export class Plans extends View {
   constructor(view) {
     super();
     this.view = view;
-    this.root = el("div", null, el("p", { class: "hint" }, "The farm is asked."));
+    this.root = el("div", null, hint("The farm is asked."));
   }
 
   async show() {
@@ -16,8 +33,10 @@ export class Plans extends View {
     const { plans } = await this.view.farm.call("job.plans", { id: this.view.id });
     const rows = plans.map(({ number, quality: { method, ...others }, why, scouts }) => [`${number}`, method,
       JSON.stringify(others, short, 1).replace(/[{}"\n]/g, "").trim(), why, percent(Math.max(...scouts, 0))]);
+    const explained = el("div", null, hint("The farm is asked what is modelled."));
     this.root.replaceChildren(rows.length ? table("Plans", ["Plan", "Method", "Numbers", "Why", "Foreseen error"], rows)
-      : el("p", { class: "hint" }, "Nothing was planned: the job states its method, or no frame has begun."));
+      : hint("Nothing was planned: the job states its method, or no frame has begun."), explained);
+    explained.replaceChildren(...await explain(this.view).catch(({ message }) => [hint(message)]));
   }
 }
 
@@ -31,6 +50,6 @@ export class JobDocument extends View {
       el("button", { type: "button", onclick: () => navigator.clipboard.writeText(text) }, "Copy"),
       el("button", { type: "button", onclick: () => editDocument(document) }, "Submit a changed one…")),
         el("pre", { class: "code", tabindex: "0" }, text))
-      : el("p", { class: "hint" }, "Only its owner and administrators may read a job's document.");
+      : notAllowed();
   }
 }

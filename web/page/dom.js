@@ -36,21 +36,13 @@ export function toast(text, isWrong = false) {
   if (!isWrong) setTimeout(() => note.remove(), 6000);
 }
 
-export const states = {
-  queued: { sign: "…", word: "queued" },
-  running: { sign: "▶", word: "running" },
-  paused: { sign: "Ⅱ", word: "paused" },
-  succeeded: { sign: "✓", word: "succeeded" },
-  failed: { sign: "✗", word: "failed" },
-  canceled: { sign: "⊘", word: "canceled" },
-  skipped: { sign: "»", word: "skipped" },
-  missed: { sign: "!", word: "over the tolerance" },
-};
+export const signs = { queued: "…", running: "▶", paused: "Ⅱ", succeeded: "✓", failed: "✗", canceled: "⊘", skipped: "»",
+  missed: "!" };
+export const wordOf = (state) => (state === "missed" ? "over the tolerance" : state);
 
 export function stateMark(state) {
-  const known = states[state] ?? { sign: "?", word: state };
-  return el("span", { class: `state ${state}` }, el("span", { class: "sign", "aria-hidden": "true" }, known.sign),
-    ` ${known.word}`);
+  return el("span", { class: `state ${state}` }, el("span", { class: "sign", "aria-hidden": "true" },
+    signs[state] ?? "?"), ` ${wordOf(state)}`);
 }
 
 export const isOver = (job) => ["succeeded", "failed", "canceled"].includes(job.state);

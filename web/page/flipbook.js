@@ -1,6 +1,6 @@
 // Plays the frames that are done, while others arrive.
 import { View, el, count } from "./dom.js";
-import { pictureUrl, getPicture } from "./frame.js";
+import { pictureUrl, getAnswer } from "./frame.js";
 
 const SIZE_PX = 960, AHEAD = 12, KEPT = 120, AT_ONCE = 3, FPS = 24;
 
@@ -110,7 +110,7 @@ export class Flipbook extends View {
     const { exposure } = this;
     this.waiting.add(frame);
     try {
-      const answer = await getPicture(pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX }));
+      const answer = await getAnswer(pictureUrl(this.view.id, frame, { exposure, size: SIZE_PX }));
       const picture = await createImageBitmap(await answer.blob());
       if (this.isHidden || exposure !== this.exposure) picture.close();
       else this.pictures.set(frame, picture);

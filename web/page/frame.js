@@ -10,7 +10,7 @@ export const pictureUrl = (job, frame, params) =>
   `/frame/${job}/${frame}.png?${new URLSearchParams(Object.entries(params).filter(([, value]) => value !== null))}`;
 
 // An answer that has what was asked for; else the error says why not.
-export async function getPicture(url) {
+export async function getAnswer(url) {
   const answer = await fetch(url);
   if (answer.ok) return answer;
   const text = await answer.text();
@@ -32,7 +32,7 @@ export class FrameView extends View {
     this.log = el("div");
     this.header = el("div");
     this.picture.onload = () => this.place();
-    this.picture.onerror = () => getPicture(this.picture.src).catch((error) => (this.note.textContent = error.message));
+    this.picture.onerror = () => getAnswer(this.picture.src).catch((error) => (this.note.textContent = error.message));
     this.root = el("section", { class: "frame", "aria-label": "Frame" }, this.head, this.facts, this.makeTools(),
       this.note, this.box,
       el("h2", null, "Attempts and their logs"), this.log, el("h2", null, "Header of the file"), this.header);
@@ -123,7 +123,7 @@ export class FrameView extends View {
     this.box.hidden = !isThere;
     this.header.replaceChildren();
     if (!isThere) return void (this.note.textContent = `The frame is ${frame.state}: there is no picture yet.`);
-    this.about = await (await getPicture(`/frame/${this.id}/${this.frame}.json`)).json();
+    this.about = await (await getAnswer(`/frame/${this.id}/${this.frame}.json`)).json();
     const { channels, attributes, compression, width_px: width, height_px: height } = this.about;
     const names = new Set(channels.map(({ name }) => name.replace(/^[RGB]$/, "color").replace(/\.[RGB]$/, "")));
     if (!names.has(look.channel)) look.channel = "color";

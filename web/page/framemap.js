@@ -10,8 +10,7 @@ const codeOfLetter = Object.fromEntries(Object.entries(letters).map(([letter, st
 export class FrameMap extends EventTarget {
   constructor(farm, id) {
     super();
-    this.farm = farm;
-    this.id = id;
+    Object.assign(this, { farm, id });
     this.numbers = []; // of frames, in the job's order
     this.stale = new Set(); // indices whose numbers are to be asked again
     this.running = new Map(); // frame -> its last event

@@ -1,5 +1,5 @@
 // A job's frames as a canvas of cells, coloured by state, error or time. Its keys and its tell line are for all.
-import { View, el, styleColour, states, count, duration, percent } from "./dom.js";
+import { View, el, styleColour, signs, wordOf, count, duration, percent } from "./dom.js";
 import { codes } from "./framemap.js";
 
 const LEAST_PX = 3, MOST_PX = 26, SIGN_PX = 13, DRAW_MS = 100,
@@ -21,12 +21,8 @@ export class FrameGrid extends View {
 
   constructor(map, job, open) {
     super();
-    this.map = map;
-    this.job = job; // () -> the job as it is now
-    this.open = open;
-    this.by = "state";
+    Object.assign(this, { map, job, open, by: "state", only: null }); // job: () -> the job as it is now
     this.at = FrameGrid.kept.get(map.id) ?? 0;
-    this.only = null;
     this.canvas = el("canvas", { tabindex: "0", role: "application",
       "aria-label": "Frames: arrows move, Enter opens, n and N go to failed ones",
       "aria-describedby": "tell", onkeydown: (event) => this.onKey(event),
@@ -109,7 +105,7 @@ export class FrameGrid extends View {
     context.textBaseline = "middle";
     context.fillStyle = styleColour("--cell-sign");
     for (let index = 0; index < this.map.numbers.length; index++) {
-      const { sign } = states[this.map.stateOf(index)];
+      const sign = signs[this.map.stateOf(index)];
       const x = index % this.columns, y = Math.floor(index / this.columns);
       context.fillText(sign, x * px + (px - gap) / 2, y * px + (px - gap) / 2);
     }
@@ -148,8 +144,8 @@ export class FrameGrid extends View {
         "aria-pressed": String(this.only === state), "data-only": state, title: "Only these", onclick: () => {
           this.only = this.only === state ? null : state;
           this.draw();
-        } }, el("span", { class: `swatch ${state}` }, states[state].sign),
-          ` ${states[state].word} ${count(counts[state])}`)));
+        } }, el("span", { class: `swatch ${state}` }, signs[state]),
+          ` ${wordOf(state)} ${count(counts[state])}`)));
       if (focused) this.legend.querySelector(`[data-only=${focused}]`)?.focus();
       return;
     }
@@ -176,7 +172,7 @@ export class FrameGrid extends View {
   describe(index) {
     const { map } = this, frame = map.numbers[index], running = map.running.get(frame);
     if (frame === undefined || !map.states) return "";
-    const parts = [`Frame ${frame}: ${states[map.stateOf(index)].word}`];
+    const parts = [`Frame ${frame}: ${wordOf(map.stateOf(index))}`];
     if (map.stateOf(index) === "running" && running?.phase)
       parts.push(`${running.phase}${running.phase_progress === null ? ""
         : ` ${Math.round(running.phase_progress * 100)} %`}`);

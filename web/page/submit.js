@@ -33,8 +33,7 @@ export class SubmitView extends View {
     this.mistake = el("p", { id: "mistake", class: "wrong", role: "alert" });
     this.paused = el("input", { type: "checkbox" });
     const file = el("input", { type: "file", multiple: true, accept: ".json,.glsl",
-      "aria-label": "Job file, and its GLSL files",
-      onchange: () => this.read(file.files) });
+      "aria-label": "Job file, and its GLSL files", onchange: () => this.read(file.files) });
     this.root = el("section", { class: "submit", "aria-label": "Submit a job", ondrop: (event) => this.onDrop(event),
       ondragover: (event) => this.onDrag(event, true), ondragleave: (event) => this.onDrag(event, false) },
       el("h1", null, "Submit a job"), el("div", { class: "tools" }, file, el("label", null, this.paused, " paused"),

@@ -7,8 +7,7 @@ const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", ba
 export class WorkersView extends View {
   constructor(farm) {
     super();
-    this.farm = farm;
-    this.title = "Workers";
+    Object.assign(this, { farm, title: "Workers" });
     this.root = el("section", { class: "text wide", "aria-label": "Workers" });
   }
 
@@ -25,8 +24,7 @@ export class WorkersView extends View {
       ["Nodes", status.nodes.up + status.nodes.waiting ? `${status.nodes.up} up, ${status.nodes.waiting} waiting` : ""],
       ["Frames", `${count(status.frames.queued)} queued`],
       ["Daemon", `${status.version}, up for ${duration(Date.now() / 1000 - status.started)}, pid ${status.pid}`],
-      ["Output", status.output_roots.join(", ")],
-      ["Queue on disk", status.store.state],
+      ["Output", status.output_roots.join(", ")], ["Queue on disk", status.store.state],
     ]) : "", ...[...pools].flatMap(([pool, members]) => [el("h2", null, `Pool ${pool}, ${count(members.length)}`),
       this.drawPool(pool, members)]),
     workers.length ? "" : el("p", { class: "hint" }, "No workers are known."));

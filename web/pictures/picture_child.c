@@ -78,6 +78,11 @@ static pid_t start_worker(const struct picture_child_params *params, int fd)
     return pid;
 }
 
+struct words {
+    const char *text;
+    size_t count;
+};
+
 static int end_worker(pid_t pid)
 {
     int status = 0;
@@ -101,7 +106,7 @@ static enum picture_status explain_end(pid_t pid, struct error *error)
     }
     if (!has_ended) status = end_worker(pid);
     if (WIFEXITED(status) && WEXITSTATUS(status) == WORKER_STATUS_MEMORY)
-        error_set(error, "the picture takes more memory than a worker may have here");
+        error_set(error, "it takes more memory than a worker may have here");
     else if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
         error_set(error, "the worker cannot be started");
     else if (WIFSIGNALED(status))
@@ -133,11 +138,9 @@ static bool is_failure(const char *line, size_t length)
 static enum picture_status receive(struct picture_child *child, const struct picture_child_params *params, int fd,
                                    struct error *error)
 {
-    int64_t ends_ms = now_ms() + params->limit_ms;
-
     for (;;) {
         struct pollfd ready = {.fd = fd, .events = POLLIN};
-        int64_t left_ms = ends_ms - now_ms();
+        int64_t left_ms = child->ends_ms - now_ms();
         size_t room;
         char *bytes;
         ssize_t count;
@@ -146,7 +149,7 @@ static enum picture_status receive(struct picture_child *child, const struct pic
             if (is_answer(child->line, child->length) || is_failure(child->line, child->length)) return PICTURE_READY;
         if (error->message[0]) return PICTURE_FAULT;
         if (left_ms <= 0) {
-            error_set(error, "the picture took longer than %d s", params->limit_ms / 1000);
+            error_set(error, "it took longer than %d s", params->limit_ms / 1000);
             return PICTURE_SLOW;
         }
         if (params->is_stopped && atomic_load(params->is_stopped)) {
@@ -161,16 +164,27 @@ static enum picture_status receive(struct picture_child *child, const struct pic
     }
 }
 
-// So few words fit into the socket's buffer.
-static bool send_all(int fd, const char *words, size_t count)
+static bool is_given_up(const struct picture_child *child, const struct picture_child_params *params)
 {
-    while (count > 0) {
-        ssize_t sent = send(fd, words, count, MSG_NOSIGNAL);
+    return now_ms() >= child->ends_ms || (params->is_stopped && atomic_load(params->is_stopped));
+}
 
-        if (sent < 0 && errno == EINTR) continue;
-        if (sent <= 0) return false;
-        words += sent;
-        count -= (size_t)sent;
+// A worker that does not read is not waited for longer than for its answer, and receive says so.
+static bool send_all(const struct picture_child *child, const struct picture_child_params *params, int fd,
+                     const struct words *words)
+{
+    size_t done = 0;
+
+    while (done < words->count && !is_given_up(child, params)) {
+        struct pollfd ready = {.fd = fd, .events = POLLOUT};
+        ssize_t sent = send(fd, words->text + done, words->count - done, MSG_NOSIGNAL | MSG_DONTWAIT);
+
+        if (sent > 0)
+            done += (size_t)sent;
+        else if (errno != EINTR && errno != EAGAIN)
+            return false;
+        else
+            (void)poll(&ready, 1, LOOK_MS);
     }
     return true;
 }
@@ -194,7 +208,8 @@ enum picture_status picture_child_ask(struct picture_child *child, const struct 
         close(fds[0]);
         return status;
     }
-    if (send_all(fds[0], words, count)) status = receive(child, params, fds[0], &found);
+    child->ends_ms = now_ms() + params->limit_ms;
+    if (send_all(child, params, fds[0], &(struct words){words, count})) status = receive(child, params, fds[0], &found);
     if (status == PICTURE_FAULT && !found.message[0])
         explain_end(pid, &found);
     else

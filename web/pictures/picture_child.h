@@ -24,6 +24,7 @@ struct picture_child {
     struct message_stream stream; // owned
     const char *line;             // of the answer, in the stream
     size_t length;
+    int64_t ends_ms; // it is not waited for longer, on the monotonic clock
 };
 
 // Starts the worker without GL, fenced and of low priority, sends it these messages, and waits for the answer to its

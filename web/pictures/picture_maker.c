@@ -5,6 +5,7 @@
 #include "core/base/file.h"
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
+#include "web/pictures/explanation.h"
 #include "web/pictures/picture_cache.h"
 #include "web/pictures/picture_child.h"
 #include "web/pictures/picture_place.h"
@@ -130,7 +131,7 @@ static void format_facts(const struct message *message, char facts[static PICTUR
     json_writer_finish(&writer);
 }
 
-static enum picture_status keep_header(const struct picture_maker *maker, const struct message *message,
+static enum picture_status keep_object(const struct picture_maker *maker, const struct message *message,
                                        struct error *error)
 {
     int fd = openat(maker->folder_fd, picture_maker_file, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
@@ -192,7 +193,7 @@ static enum picture_status take_answer(const struct picture_maker *maker, const 
         status = explain(&message, error);
     } else if (query->form == PICTURE_FORM_HEADER) {
         snprintf(facts, PICTURE_MADE_FACTS + 1, "{}");
-        status = keep_header(maker, &message, error);
+        status = keep_object(maker, &message, error);
     } else if (is_png(maker)) {
         format_facts(&message, facts);
         status = PICTURE_READY;
@@ -203,15 +204,38 @@ static enum picture_status take_answer(const struct picture_maker *maker, const 
     return status;
 }
 
+static enum picture_status take_explanation(const struct picture_maker *maker, const char *line, size_t length,
+                                            struct error *error)
+{
+    enum picture_status status = PICTURE_FAULT;
+    enum message_code code;
+    struct message message;
+
+    if (!message_decode(&message, line, length, &code, error)) return status;
+    if (message.kind == MESSAGE_RESULT && json_node_type(&message.body) == JSON_OBJECT)
+        status = keep_object(maker, &message, error);
+    else
+        status = explain(&message, error);
+    message_finish(&message);
+    return status == PICTURE_WRONG ? PICTURE_UNREADABLE : status; // the job is, and not what was asked
+}
+
+static enum picture_status ask_child(const struct picture_maker *maker, struct picture_child *child,
+                                     const struct json_writer *words, struct error *error)
+{
+    const struct picture_child_params params = {.program = maker->program,
+                                                .memory_bytes = maker->memory_bytes,
+                                                .file_bytes = PICTURE_BODY_LIMIT,
+                                                .limit_ms = maker->limit_ms,
+                                                .is_stopped = maker->is_stopped};
+
+    return picture_child_ask(child, &params, words->text, words->length, error);
+}
+
 enum picture_status picture_maker_run(const struct picture_maker *maker, const struct picture_place *place,
                                       const struct picture_query *query, char facts[static PICTURE_MADE_FACTS + 1],
                                       struct error *error)
 {
-    struct picture_child_params params = {.program = maker->program,
-                                          .memory_bytes = maker->memory_bytes,
-                                          .file_bytes = PICTURE_BODY_LIMIT,
-                                          .limit_ms = maker->limit_ms,
-                                          .is_stopped = maker->is_stopped};
     struct picture_child child = {0};
     struct json_writer words = {0};
     enum picture_status status;
@@ -221,11 +245,33 @@ enum picture_status picture_maker_run(const struct picture_maker *maker, const s
     picture_maker_sweep(maker);
     write_fence(&words, maker, place);
     write_request(&words, maker, place, query);
-    status = picture_child_ask(&child, &params, words.text, words.length, error);
+    status = ask_child(maker, &child, &words, error);
     json_writer_finish(&words);
     // The worker has ended: nobody changes what it made any more.
     line = picture_child_answer(&child, &length);
     if (status == PICTURE_READY) status = take_answer(maker, query, line, length, facts, error);
     picture_child_finish(&child);
+    return status;
+}
+
+enum picture_status picture_maker_explain(const struct picture_maker *maker, const struct explanation *explanation,
+                                          struct error *error)
+{
+    enum picture_status status = PICTURE_UNREADABLE;
+    struct picture_child child = {0};
+    struct json_writer words = {0};
+
+    picture_maker_sweep(maker);
+    if (explanation_write(explanation, maker->folder, &words, error)) {
+        status = ask_child(maker, &child, &words, error);
+        if (status == PICTURE_READY) {
+            size_t length;
+            const char *line = picture_child_answer(&child, &length);
+
+            status = take_explanation(maker, line, length, error);
+        }
+        picture_child_finish(&child);
+    }
+    json_writer_finish(&words);
     return status;
 }

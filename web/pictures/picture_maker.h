@@ -1,4 +1,4 @@
-// Has a worker make one picture: a process of its own, which may read this one file and write into its own folder.
+// Has a worker make one picture or explain one job: a process of its own, which reads what that takes and nothing else.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 struct error;
+struct explanation;
 struct picture_place;
 struct picture_query;
 
@@ -33,4 +34,7 @@ void picture_maker_close(struct picture_maker *maker);
 enum picture_status picture_maker_run(const struct picture_maker *maker, const struct picture_place *place,
                                       const struct picture_query *query, char facts[static PICTURE_MADE_FACTS + 1],
                                       struct error *error);
+// Makes what worker.explain says of the job, as that file.
+enum picture_status picture_maker_explain(const struct picture_maker *maker, const struct explanation *explanation,
+                                          struct error *error);
 void picture_maker_sweep(const struct picture_maker *maker); // removes what is in the folder

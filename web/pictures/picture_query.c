@@ -13,12 +13,7 @@
 
 enum { SIDE_LIMIT = 16384, SIZE_LIMIT = 4096 };
 static const double EXPOSURE_LIMIT_STOPS = 60;
-static const char prefix[] = "/frame/";
-
-bool picture_query_is_one(const char *path)
-{
-    return strncmp(path, prefix, strlen(prefix)) == 0;
-}
+static const char frame_prefix[] = "/frame/", job_prefix[] = "/job/";
 
 // Reads digits, and returns what follows; NULL: there are none, or the number is over the limit.
 static const char *read_digits(const char *text, int64_t limit, int64_t *number)
@@ -33,11 +28,29 @@ static const char *read_digits(const char *text, int64_t limit, int64_t *number)
     return at > text ? at : NULL;
 }
 
+static const char *read_job(struct picture_query *query, const char *path, const char *prefix)
+{
+    size_t length = strlen(prefix);
+
+    return strncmp(path, prefix, length) ? NULL : read_digits(path + length, INT64_C(1) << 53, &query->job);
+}
+
+static bool read_job_path(struct picture_query *query, const char *path, struct error *error)
+{
+    const char *at = read_job(query, path, job_prefix);
+
+    query->form = PICTURE_FORM_EXPLANATION;
+    if (at && !strcmp(at, "/explain")) return true;
+    error_set(error, "expected /job/JOB/explain");
+    return false;
+}
+
 static bool read_path(struct picture_query *query, const char *path, struct error *error)
 {
-    const char *at =
-        picture_query_is_one(path) ? read_digits(path + strlen(prefix), INT64_C(1) << 53, &query->job) : NULL;
+    const char *at = read_job(query, path, frame_prefix);
     int64_t frame = 0;
+
+    if (!strncmp(path, job_prefix, strlen(job_prefix))) return read_job_path(query, path, error);
 
     if (at && *at == '/') {
         at = read_digits(at + 1, FRAME_NUMBER_LIMIT - 1, &frame);
@@ -148,8 +161,8 @@ bool picture_query_parse(struct picture_query *query, const char *path, const ch
 
     *query = (struct picture_query){0};
     if (!read_path(query, path, error)) return false;
-    if (query->form == PICTURE_FORM_HEADER && pair_count > 0) {
-        error_set(error, "expected nothing after the question mark, for a header has no parts");
+    if (query->form != PICTURE_FORM_PNG && pair_count > 0) {
+        error_set(error, "expected nothing after the question mark: only a picture has parts");
         return false;
     }
     for (size_t i = 0; i < pair_count; i++)

@@ -5,6 +5,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/path_list.h"
+#include "web/pictures/explanation.h"
 #include "web/pictures/picture_faults.h"
 #include "web/pictures/picture_maker.h"
 #include "web/pictures/picture_place.h"
@@ -25,7 +26,7 @@
 struct picture_ask {
     struct picture_waiter waiter;
     struct picture_query query;
-    char *path, *known; // owned
+    char *subject, *known; // owned
     struct path_list roots;
     void *user;
     struct picture_place place;
@@ -63,6 +64,8 @@ struct maker_thread {
     struct pictures *pictures;
     const struct picture_maker *maker;
 };
+
+static const struct error too_many = {.message = "too many pictures are asked for: ask again in a moment"};
 
 static int64_t now_ms(void)
 {
@@ -105,7 +108,7 @@ static void list_remove(struct ask_list *list, struct picture_ask *ask)
 
 void picture_ask_free(struct picture_ask *ask)
 {
-    free(ask->path);
+    free(ask->subject);
     free(ask->known);
     path_list_finish(&ask->roots);
     picture_place_finish(&ask->place);
@@ -141,13 +144,30 @@ static void answer(struct pictures *pictures, struct picture_ask *ask, enum pict
     picture_ask_free(ask);
 }
 
+static struct explanation explanation_of(const struct pictures *pictures, const struct picture_ask *ask)
+{
+    return (struct explanation){.document = ask->subject, .worker = pictures->worker, .roots = &ask->roots};
+}
+
+static enum picture_status find_version(const struct pictures *pictures, const struct picture_ask *ask,
+                                        struct picture_place *place, char key[static HASH_TEXT_SIZE],
+                                        struct error *error)
+{
+    struct explanation explanation = explanation_of(pictures, ask);
+    enum picture_status status;
+
+    if (ask->query.form == PICTURE_FORM_EXPLANATION) return explanation_make_key(&explanation, key, error);
+    status = picture_place_find(place, &ask->roots, ask->subject, error);
+    if (status == PICTURE_READY) picture_place_make_key(place, &ask->query, key);
+    return status;
+}
+
 // Finds the file's version, and its picture if there is one. PICTURE_BUSY: it has to be made.
 static enum picture_status look_up(struct pictures *pictures, struct picture_ask *ask, struct error *error)
 {
-    enum picture_status status = picture_place_find(&ask->place, &ask->roots, ask->path, error);
+    enum picture_status status = find_version(pictures, ask, &ask->place, ask->waiter.key, error);
 
     if (status != PICTURE_READY) return status;
-    picture_place_make_key(&ask->place, &ask->query, ask->waiter.key);
     if (ask->known && strstr(ask->known, ask->waiter.key)) return PICTURE_KNOWN;
     return picture_cache_find(&pictures->cache, ask->waiter.key, &ask->file) ? PICTURE_READY : PICTURE_BUSY;
 }
@@ -156,13 +176,12 @@ static enum picture_status look_up(struct pictures *pictures, struct picture_ask
 static void enqueue(struct pictures *pictures, struct picture_ask *ask)
 {
     const struct picture_fault *fault = picture_faults_find(&pictures->faults, ask->waiter.key, now_ms());
-    struct error error = {.message = "too many pictures are asked for: ask again in a moment"};
     bool is_new;
 
     if (fault)
         answer(pictures, ask, fault->status, &fault->error);
     else if (ask->is_dropped || !picture_queue_add(&pictures->queue, &ask->waiter, &is_new))
-        answer(pictures, ask, PICTURE_BUSY, &error);
+        answer(pictures, ask, PICTURE_BUSY, &too_many);
     else if (is_new)
         pthread_cond_signal(&pictures->queue_changed);
 }
@@ -196,27 +215,31 @@ static void *run_finder(void *user)
 }
 
 // A file that was replaced meanwhile may have given a picture of either version.
-static bool is_same_version(const struct picture_ask *ask, struct error *error)
+static bool is_same_version(const struct pictures *pictures, const struct picture_ask *ask, struct error *error)
 {
     char key[HASH_TEXT_SIZE] = "";
-    struct picture_place place;
+    struct picture_place place = {0};
 
-    if (picture_place_find(&place, &ask->roots, ask->path, error) == PICTURE_READY)
-        picture_place_make_key(&place, &ask->query, key);
+    find_version(pictures, ask, &place, key, error);
     picture_place_finish(&place);
     if (!strcmp(key, ask->waiter.key)) return true;
-    error_set(error, "%s: the file was replaced meanwhile: ask again", ask->path);
+    error_set(error, "a file was replaced meanwhile: ask again");
     return false;
 }
 
 static enum picture_status make(struct pictures *pictures, const struct picture_maker *maker,
                                 const struct picture_ask *model, struct picture_file *file, struct error *error)
 {
-    char facts[PICTURE_MADE_FACTS + 1];
-    enum picture_status status = picture_maker_run(maker, &model->place, &model->query, facts, error);
+    struct explanation explanation = explanation_of(pictures, model);
+    char facts[PICTURE_MADE_FACTS + 1] = "{}";
+    enum picture_status status;
 
+    if (model->query.form == PICTURE_FORM_EXPLANATION)
+        status = picture_maker_explain(maker, &explanation, error);
+    else
+        status = picture_maker_run(maker, &model->place, &model->query, facts, error);
     if (status != PICTURE_READY) return status;
-    if (!is_same_version(model, error)) return PICTURE_BUSY;
+    if (!is_same_version(pictures, model, error)) return PICTURE_BUSY;
     if (picture_cache_take(&pictures->cache, model->waiter.key, facts, maker->folder_fd, picture_maker_file, file,
                            error))
         return PICTURE_READY;
@@ -248,12 +271,12 @@ static struct picture_ask *copy_model(const struct picture_task *task)
 
     *model = (struct picture_ask){.waiter.user = ask->waiter.user,
                                   .query = ask->query,
-                                  .path = xstrdup(ask->path),
+                                  .subject = xstrdup(ask->subject),
                                   .place = ask->place,
                                   .file.fd = -1};
     memcpy(model->waiter.key, ask->waiter.key, sizeof model->waiter.key);
-    model->place.folder = xstrdup(ask->place.folder);
-    model->place.name = xstrdup(ask->place.name);
+    if (ask->place.folder) model->place.folder = xstrdup(ask->place.folder);
+    if (ask->place.name) model->place.name = xstrdup(ask->place.name);
     for (size_t i = 0; i < ask->roots.count; i++)
         path_list_add(&model->roots, xstrdup(ask->roots.paths[i]));
     return model;
@@ -413,20 +436,15 @@ struct picture_ask *pictures_ask(struct pictures *pictures, const struct picture
 {
     struct picture_ask *ask = xcalloc(1, sizeof *ask);
 
-    ask->waiter.user = question->user;
-    ask->query = *question->query;
-    ask->path = xstrdup(question->path);
+    *ask = (struct picture_ask){.waiter.user = question->user, .query = *question->query, .user = user, .file.fd = -1};
+    ask->subject = xstrdup(question->subject);
     ask->known = question->known ? xstrdup(question->known) : NULL;
     for (size_t i = 0; i < question->roots->count; i++)
         path_list_add(&ask->roots, xstrdup(question->roots->paths[i]));
-    ask->user = user;
-    ask->file.fd = -1;
     pthread_mutex_lock(&pictures->lock);
     pictures->ask_count++;
     if (pictures->ask_count > 2 * PICTURE_WAIT_LIMIT) {
-        const struct error error = {.message = "too many pictures are asked for: ask again in a moment"};
-
-        give(pictures, ask, PICTURE_BUSY, &error);
+        give(pictures, ask, PICTURE_BUSY, &too_many);
         pictures->on_answers(pictures->user);
     } else {
         list_add(&pictures->asked, ask);

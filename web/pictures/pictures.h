@@ -1,4 +1,4 @@
-// Pictures of frames for browsers: looked up or made by a few threads, so that the program's loop waits for nothing.
+// Pictures of frames and explanations of jobs for browsers, by a few threads: the program's loop waits for nothing.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -31,8 +31,8 @@ struct pictures_params {
 
 struct picture_question {
     const struct picture_query *query; // borrowed for the call, as all that follows
-    const char *path;                  // the frame's file
-    const struct path_list *roots;     // below which it is
+    const char *subject;               // the frame's file, or the document of the job to be explained
+    const struct path_list *roots;     // below which the file is, or those that the job reads
     int64_t user;                      // who asks: users take turns
     const char *known;                 // the value of If-None-Match; NULL: none
 };

@@ -8,6 +8,7 @@
 #include "core/base/path_list.h"
 #include "core/wire/message.h"
 #include "web/http/http_request.h"
+#include "web/pictures/explanation.h"
 #include "web/pictures/picture_query.h"
 #include "web/pictures/pictures.h"
 #include "web/routes/web_calls.h"
@@ -27,6 +28,7 @@ struct route_frame {
     struct pictures *pictures; // owned; NULL: there can be none
     struct error error;        // why
     struct path_list roots;    // below which the farm's pictures are, as the daemon said last
+    struct path_list inputs;   // and below which jobs read
     uint64_t roots_until_ms;
 };
 
@@ -39,6 +41,7 @@ struct showing {
 
 static void on_roots(struct http_request *request, const struct farm_answer *answer, void *user);
 static void on_frame(struct http_request *request, const struct farm_answer *answer, void *user);
+static void on_job(struct http_request *request, const struct farm_answer *answer, void *user);
 static void on_answers(uv_async_t *handle);
 
 static void wake_loop(void *user)
@@ -82,6 +85,7 @@ void route_frame_close(struct route_frame *route)
 {
     if (route->pictures) pictures_destroy(route->pictures);
     path_list_finish(&route->roots);
+    path_list_finish(&route->inputs);
     uv_close((uv_handle_t *)&route->answers, on_closed);
 }
 
@@ -138,12 +142,19 @@ static void call_daemon(struct route_frame *route, struct http_request *request,
     web_calls_begin(route->calls, request, text, strlen(text), on_answer, route);
 }
 
-static void ask_frame(struct route_frame *route, struct http_request *request)
+// Which file the frame has, or what the job's document is.
+static void ask_subject(struct route_frame *route, struct http_request *request)
 {
     struct picture_query query;
     char text[256];
 
     if (!read_query(request, &query)) return;
+    if (query.form == PICTURE_FORM_EXPLANATION) {
+        snprintf(text, sizeof text,
+                 "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.show\",\"params\":{\"id\":%" PRId64 "}}", query.job);
+        call_daemon(route, request, text, on_job);
+        return;
+    }
     snprintf(text, sizeof text,
              "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.frames\",\"params\":{\"id\":%" PRId64
              ",\"range\":\"%" PRId32 "\",\"limit\":1}}",
@@ -160,7 +171,7 @@ void route_frame_answer(struct http_request *request, void *user)
     if (!route->pictures)
         http_request_fail(request, 503, "there are no pictures of frames: %s", route->error.message);
     else if (uv_now(route->answers.loop) < route->roots_until_ms)
-        ask_frame(route, request);
+        ask_subject(route, request);
     else
         call_daemon(route, request, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"daemon.status\"}", on_roots);
 }
@@ -169,14 +180,18 @@ void route_frame_answer(struct http_request *request, void *user)
 static void take_roots(struct route_frame *route, const struct message *message)
 {
     struct json_node roots = json_node_child(&message->body, "roots"), root = {0};
+    struct json_node inputs = json_node_child(&message->body, "input_roots"), input = {0};
+    const char *text;
 
     path_list_finish(&route->roots);
     while (json_node_next(&roots, &root)) {
         struct json_node path = json_node_child(&root, "path");
-        const char *text;
 
         if (json_read_string(&path, &text, NULL) && text[0] == '/') path_list_add(&route->roots, xstrdup(text));
     }
+    path_list_finish(&route->inputs);
+    while (json_node_next(&inputs, &input))
+        if (json_read_string(&input, &text, NULL) && text[0] == '/') path_list_add(&route->inputs, xstrdup(text));
     route->roots_until_ms = uv_now(route->answers.loop) + ROOTS_TIME_MS;
 }
 
@@ -188,7 +203,7 @@ static void on_roots(struct http_request *request, const struct farm_answer *ans
     if (!read_answer(request, answer, &message)) return;
     take_roots(route, &message);
     message_finish(&message);
-    ask_frame(route, request);
+    ask_subject(route, request);
 }
 
 static void on_gone(void *user)
@@ -200,22 +215,23 @@ static void on_gone(void *user)
     free(showing);
 }
 
-static void ask_picture(struct route_frame *route, struct http_request *request, const char *path, const char *user)
+// `subject` as in struct picture_question.
+static void ask_picture(struct route_frame *route, struct http_request *request, const char *subject, const char *user)
 {
     struct showing *showing;
     struct picture_query query;
     struct picture_question question = {.query = &query,
-                                        .path = path,
-                                        .roots = &route->roots,
+                                        .subject = subject,
                                         .user = (int64_t)hash_bytes_short(user, strlen(user), 0),
                                         .known = http_request_known_etag(request)};
 
     if (!read_query(request, &query)) return;
+    question.roots = query.form == PICTURE_FORM_EXPLANATION ? &route->inputs : &route->roots;
     showing = xcalloc(1, sizeof *showing);
     *showing = (struct showing){.route = route, .request = request};
     showing->ask = pictures_ask(route->pictures, &question, showing);
     http_request_on_gone(request, on_gone, showing);
-    log_debug("%s: a picture of %s", http_request_address(request), path);
+    log_debug("%s: a picture of %s", http_request_address(request), http_request_path(request));
 }
 
 static void on_frame(struct http_request *request, const struct farm_answer *answer, void *user)
@@ -240,12 +256,33 @@ static void on_frame(struct http_request *request, const struct farm_answer *ans
     message_finish(&message);
 }
 
+static void on_job(struct http_request *request, const struct farm_answer *answer, void *user)
+{
+    struct json_node document;
+    struct message message;
+    char *text = NULL;
+
+    if (!read_answer(request, answer, &message)) return;
+    document = json_node_child(&message.body, "document");
+    if (json_node_type(&document) == JSON_OBJECT) text = json_node_format(&document);
+    message_finish(&message);
+    if (!text)
+        http_request_fail(request, 403, "only its owner and administrators may read a job's document");
+    else if (strlen(text) > EXPLANATION_DOCUMENT_LIMIT)
+        http_request_fail(request, 413, "the document has more than %d bytes: march explain reads it",
+                          EXPLANATION_DOCUMENT_LIMIT);
+    else
+        ask_picture(user, request, text, answer->identity->user);
+    free(text);
+}
+
 static void show(struct http_request *request, const struct picture_answer *answer)
 {
-    bool is_header = strcmp(strrchr(http_request_path(request), '.'), ".json") == 0;
+    const char *dot = strrchr(http_request_path(request), '.');
+    bool is_picture = dot && !strcmp(dot, ".png");
     struct picture_file *file = answer->file;
     struct http_answer shown = {
-        .type = is_header ? "application/json" : "image/png", .etag = answer->key, .cache = "private, no-cache"};
+        .type = is_picture ? "image/png" : "application/json", .etag = answer->key, .cache = "private, no-cache"};
 
     if (answer->reason) {
         http_request_fail(request, (int)answer->status, "%s", answer->reason);
@@ -253,7 +290,7 @@ static void show(struct http_request *request, const struct picture_answer *answ
     }
     shown.status = (int)answer->status;
     if (answer->status == PICTURE_READY) {
-        shown.picture = is_header ? NULL : file->facts;
+        shown.picture = is_picture ? file->facts : NULL;
         shown.has_file = true;
         shown.file_fd = file->fd;
         shown.size_bytes = (size_t)file->body_bytes;

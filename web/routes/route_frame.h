@@ -1,4 +1,4 @@
-// GET /frame/JOB/N.png and .json: the daemon says which file it is, and a worker without rights shows it.
+// GET /frame/JOB/N.png, .json, /job/JOB/explain: the daemon says what is there, and a worker without rights reads it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

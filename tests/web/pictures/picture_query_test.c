@@ -35,6 +35,8 @@ static void path_names_job_frame_and_form(void **state)
     assert_false(query.has_exposure);
     assert_true(parse(&query, "/frame/9007199254740992/0012.json", NULL, NULL));
     assert_true(query.job == INT64_C(1) << 53 && query.frame == 12 && query.form == PICTURE_FORM_HEADER);
+    assert_true(parse(&query, "/job/7/explain", NULL, NULL));
+    assert_true(query.job == 7 && query.frame == 0 && query.form == PICTURE_FORM_EXPLANATION);
 }
 
 static void other_paths_are_refused(void **state)
@@ -56,6 +58,14 @@ static void other_paths_are_refused(void **state)
                                         "/frame/7/99999999999.png",
                                         "/frame/99999999999999999999/1.png",
                                         "frame/7/1.png",
+                                        "/job/",
+                                        "/job/7",
+                                        "/job/7/",
+                                        "/job//explain",
+                                        "/job/7/explain/",
+                                        "/job/-7/explain",
+                                        "/job/7/1.png",
+                                        "/frame/7/explain",
                                         ""};
 
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
@@ -63,7 +73,9 @@ static void other_paths_are_refused(void **state)
         struct error error = {0};
 
         if (parse(&query, paths[i], NULL, &error)) fail_msg("%s is taken", paths[i]);
-        assert_string_equal(error.message, "expected /frame/JOB/N.png or /frame/JOB/N.json");
+        assert_string_equal(error.message, strncmp(paths[i], "/job/", 5)
+                                               ? "expected /frame/JOB/N.png or /frame/JOB/N.json"
+                                               : "expected /job/JOB/explain");
     }
 }
 
@@ -136,11 +148,12 @@ static void long_names_are_refused(void **state)
     assert_false(parse(&query, "/frame/7/1.png", text, NULL));
 }
 
-static void header_has_no_parts(void **state)
+static void only_a_picture_has_parts(void **state)
 {
     struct picture_query query;
 
     assert_false(parse(&query, "/frame/7/1.json", "x=5", NULL));
+    assert_false(parse(&query, "/job/7/explain", "x=5", NULL));
 }
 
 int main(void)
@@ -152,7 +165,7 @@ int main(void)
         cmocka_unit_test(colour_is_what_is_shown_without_a_channel),
         cmocka_unit_test(wrong_values_are_refused_by_name),
         cmocka_unit_test(long_names_are_refused),
-        cmocka_unit_test(header_has_no_parts),
+        cmocka_unit_test(only_a_picture_has_parts),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -84,7 +84,7 @@ static struct picture_ask *ask(struct stage *stage, const char *path, const char
     size_t count = 0;
     struct picture_query query;
     struct picture_question question = {
-        .query = &query, .path = temp_folder_path(stage->state, path), .roots = &stage->roots, .known = known};
+        .query = &query, .subject = temp_folder_path(stage->state, path), .roots = &stage->roots, .known = known};
 
     snprintf(copy, sizeof copy, "%s", is_header ? "" : text);
     while (*copy && rest)

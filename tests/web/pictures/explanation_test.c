@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/pictures/explanation.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/path_list.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
+#include "tests/support/temp_folder.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+struct stage {
+    struct path_list roots;
+    struct explanation explanation;
+    char *document; // of a job that reads FOLDER/in/mine/v.raw
+    const char *file;
+};
+
+static void write_file(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void begin(struct stage *stage, void **state)
+{
+    char *cloud = job_text_load("cloud.json"), *value;
+
+    *stage = (struct stage){.file = temp_folder_path(state, "in/mine/v.raw")};
+    assert_int_equal(mkdir(temp_folder_path(state, "in"), 0700), 0);
+    assert_int_equal(mkdir(temp_folder_path(state, "in/mine"), 0700), 0);
+    path_list_add(&stage->roots, xstrdup(temp_folder_path(state, "in")));
+    value = xasprintf("{\"kind\":\"grid\",\"file\":\"%s\",\"size\":[8,8,8],\"type\":\"uint8\",\"spacing\":[1,1,1]}",
+                      stage->file);
+    stage->document = json_edit_set(cloud, "scene.media[0].density", value);
+    free(value);
+    free(cloud);
+    stage->explanation =
+        (struct explanation){.document = stage->document, .worker = "/bin/true", .roots = &stage->roots};
+}
+
+static void end(struct stage *stage)
+{
+    path_list_finish(&stage->roots);
+    free(stage->document);
+}
+
+static void make_key(const struct stage *stage, char key[static HASH_TEXT_SIZE])
+{
+    struct error error = {0};
+
+    if (explanation_make_key(&stage->explanation, key, &error) != PICTURE_READY) fail_msg("%s", error.message);
+}
+
+static void key_changes_with_document_file_and_worker(void **state)
+{
+    char absent[HASH_TEXT_SIZE], there[HASH_TEXT_SIZE], again[HASH_TEXT_SIZE], key[HASH_TEXT_SIZE];
+    struct stage stage;
+
+    begin(&stage, state);
+    make_key(&stage, absent);
+    write_file(stage.file, "voxels");
+    make_key(&stage, there);
+    make_key(&stage, again);
+    assert_string_not_equal(there, absent);
+    assert_string_equal(again, there);
+    write_file(stage.file, "more voxels");
+    make_key(&stage, key);
+    assert_string_not_equal(key, there);
+    stage.explanation.worker = "/bin/false";
+    make_key(&stage, again);
+    assert_string_not_equal(again, key);
+    stage.explanation.document = job_text_full;
+    make_key(&stage, key);
+    assert_string_not_equal(again, key);
+    end(&stage);
+}
+
+static void file_below_no_root_is_refused(void **state)
+{
+    char key[HASH_TEXT_SIZE] = "";
+    struct error error = {0};
+    struct stage stage;
+
+    begin(&stage, state);
+    path_list_finish(&stage.roots);
+    path_list_add(&stage.roots, xstrdup(temp_folder_path(state, "other")));
+    assert_int_equal(explanation_make_key(&stage.explanation, key, &error), PICTURE_FORBIDDEN);
+    assert_non_null(strstr(error.message, "scene.media[0].density.file"));
+    end(&stage);
+}
+
+static void what_is_no_job_is_refused(void **state)
+{
+    static const char *const documents[] = {"", "{", "[]", "{\"version\":1}", "nonsense"};
+    char key[HASH_TEXT_SIZE] = "";
+    struct stage stage;
+
+    begin(&stage, state);
+    for (size_t i = 0; i < sizeof documents / sizeof documents[0]; i++) {
+        struct json_writer words = {0};
+        struct error error = {0};
+
+        stage.explanation.document = documents[i];
+        assert_int_equal(explanation_make_key(&stage.explanation, key, &error), PICTURE_UNREADABLE);
+        assert_true(error.message[0]);
+        assert_false(explanation_write(&stage.explanation, "/cache/work-0", &words, NULL));
+        json_writer_finish(&words);
+    }
+    end(&stage);
+}
+
+static void expect_text(const struct json_node *object, const char *key, const char *expected)
+{
+    struct json_node node = json_node_child(object, key);
+    const char *text = NULL;
+
+    assert_true(json_read_string(&node, &text, NULL));
+    assert_string_equal(text, expected);
+}
+
+// The folder below its root, as a farm's worker gets it; and no more than the maker's own folder to write into.
+static void fence_has_the_folders_of_the_job(void **state)
+{
+    struct json_writer words = {0};
+    struct json_node inputs, input, output, closed, first;
+    const char *text = NULL;
+    enum message_code code;
+    struct message message;
+    struct stage stage;
+
+    begin(&stage, state);
+    assert_true(explanation_write(&stage.explanation, "/var/cache/web/work-0", &words, NULL));
+    assert_true(message_decode(&message, words.text, strcspn(words.text, "\n"), &code, NULL));
+    assert_string_equal(message.method, "worker.fence");
+    inputs = json_node_child(&message.body, "inputs");
+    assert_int_equal(json_node_count(&inputs), 1);
+    input = json_node_element(&inputs, 0);
+    expect_text(&input, "root", stage.roots.paths[0]);
+    expect_text(&input, "folder", "mine");
+    expect_text(&input, "path", stage.file);
+    output = json_node_child(&message.body, "output");
+    expect_text(&output, "root", "/var/cache/web/work-0");
+    closed = json_node_child(&message.body, "closed");
+    first = json_node_element(&closed, 0);
+    assert_true(json_read_string(&first, &text, NULL));
+    assert_string_equal(text, "/var/cache/web");
+    message_finish(&message);
+    json_writer_finish(&words);
+    end(&stage);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(key_changes_with_document_file_and_worker, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(file_below_no_root_is_refused, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(what_is_no_job_is_refused, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(fence_has_the_folders_of_the_job, temp_folder_create, temp_folder_destroy),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
