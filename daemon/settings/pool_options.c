@@ -391,6 +391,7 @@ bool pool_table_add(struct pool_table *table, const char *text, struct error *er
 {
     struct pool_options pool;
     bool is_local;
+    int workers;
 
     if (!read_local(table, text, &is_local, error)) return false;
     if (is_local) return true;
@@ -399,9 +400,16 @@ bool pool_table_add(struct pool_table *table, const char *text, struct error *er
         return false;
     }
     if (!pool_options_read(&pool, text, error)) return false;
+    workers = pool_options_worker_count(&pool);
     for (size_t i = 0; i < table->count; i++) {
+        workers += pool_options_worker_count(&table->pools[i]);
         if (strcmp(table->pools[i].name, pool.name) != 0) continue;
         error_set(error, "--pool: there is a pool %s already", pool.name);
+        pool_options_finish(&pool);
+        return false;
+    }
+    if (workers > POOL_TABLE_WORKER_LIMIT) {
+        error_set(error, "--pool: expected at most %d workers of all pools, got %d", POOL_TABLE_WORKER_LIMIT, workers);
         pool_options_finish(&pool);
         return false;
     }

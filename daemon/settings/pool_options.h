@@ -13,6 +13,8 @@ struct error;
 
 // Nodes of a pool, workers of a node, pools of a farm.
 enum { POOL_NODE_LIMIT = 4096, POOL_WORKER_LIMIT = 1024, POOL_LIMIT = 63 };
+// Of all pools: a ticket names its worker in 16 bits, and this machine has workers, too.
+enum { POOL_TABLE_WORKER_LIMIT = 60000 };
 
 #define POOL_LOCAL "local" // the name of the pool of this machine's workers
 

@@ -233,6 +233,19 @@ static void the_pool_of_this_machine_has_terms_alone(void **state)
     pool_table_finish(&table);
 }
 
+static void all_pools_together_have_a_limit(void **state)
+{
+    struct pool_table table = {0};
+    struct error error = {0};
+
+    (void)state;
+    assert_true(pool_table_add(&table, "p launcher=slurm max=58 workers=1024", NULL));
+    assert_false(pool_table_add(&table, "q launcher=slurm max=1 workers=609", &error));
+    assert_string_equal(error.message, "--pool: expected at most 60000 workers of all pools, got 60001");
+    assert_true(pool_table_add(&table, "q launcher=slurm max=1 workers=608", NULL));
+    pool_table_finish(&table);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +254,7 @@ int main(void)
         cmocka_unit_test(a_pool_of_slurm),
         cmocka_unit_test(faults_name_their_place),
         cmocka_unit_test(a_table_holds_pools_of_different_names),
+        cmocka_unit_test(all_pools_together_have_a_limit),
         cmocka_unit_test(tags_and_users_are_the_terms_of_a_pool),
         cmocka_unit_test(terms_change_without_the_rest),
         cmocka_unit_test(the_pool_of_this_machine_has_terms_alone),
