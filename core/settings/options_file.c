@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/settings/options_file.h"
 
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/nearest_name.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { SIZE_LIMIT = 1 << 16 };
 
@@ -54,4 +57,29 @@ void options_file_read(const char *path, const struct options_file_handlers *han
         handlers->on_mistake(handlers->user, error.message);
     }
     free(text);
+}
+
+char *options_file_find(const struct options_file_place *place, bool is_system)
+{
+    char *path = NULL;
+
+    if (is_system)
+        path = place->system_path ? xstrdup(place->system_path) : NULL;
+    else if (place->config_home && *place->config_home == '/')
+        path = xasprintf("%s/%s", place->config_home, place->name);
+    else if (place->home)
+        path = xasprintf("%s/.config/%s", place->home, place->name);
+    if (path && access(path, F_OK) == 0) return path;
+    free(path);
+    return NULL;
+}
+
+void options_file_fail_key(const char *key, const char *const names[], const char *program, struct error *error)
+{
+    const char *nearest = nearest_name_find(key, names);
+
+    if (nearest)
+        error_set(error, "%s: there is no such setting, did you mean %s?", key, nearest);
+    else
+        error_set(error, "%s: there is no such setting, see %s --help", key, program);
 }

@@ -255,12 +255,10 @@ static void write_after(const struct job_record *record, struct json_writer *wri
     json_write_end_array(writer);
 }
 
-void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+// What it is, and how far.
+static void write_outline(const struct job_record *record, struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
-    const struct in_flight_frame *frame = worker_pool_furthest_frame(farm->pool, record->id);
-    char *range = frame_range_format(&queued->frames);
-    char *reason = format_reason(farm, record);
 
     json_write_integer_member(writer, "id", record->id);
     json_write_string_member(writer, "name", record->name);
@@ -268,11 +266,21 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     json_write_bool_member(writer, "draft", record->facts.is_draft);
     json_write_integer_member(writer, "priority", queued->priority);
     json_write_string_member(writer, "owner", record->owner);
-    json_write_integer_member(writer, "owner_uid", record->owner_uid);
     write_time(writer, "submitted", record->submitted_ms);
     write_time(writer, "started", record->started_ms);
     write_time(writer, "finished", record->finished_ms);
     write_counts(queued, writer);
+}
+
+void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+{
+    const struct queue_job *queued = record->queued;
+    const struct in_flight_frame *frame = worker_pool_furthest_frame(farm->pool, record->id);
+    char *range = frame_range_format(&queued->frames);
+    char *reason = format_reason(farm, record);
+
+    write_outline(record, writer);
+    json_write_integer_member(writer, "owner_uid", record->owner_uid);
     write_accuracy(record, writer);
     json_write_string_member(writer, "range", range);
     write_pattern(record, writer);
@@ -289,19 +297,9 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
 void job_view_write_outline(const struct farm *farm, struct job_record *record, const char *why,
                             struct json_writer *writer)
 {
-    const struct queue_job *queued = record->queued;
     char *reason = why ? xstrdup(why) : format_reason(farm, record);
 
-    json_write_integer_member(writer, "id", record->id);
-    json_write_string_member(writer, "name", record->name);
-    json_write_string_member(writer, "state", job_state_name(queue_job_state(queued)));
-    json_write_bool_member(writer, "draft", record->facts.is_draft);
-    json_write_integer_member(writer, "priority", queued->priority);
-    json_write_string_member(writer, "owner", record->owner);
-    write_time(writer, "submitted", record->submitted_ms);
-    write_time(writer, "started", record->started_ms);
-    write_time(writer, "finished", record->finished_ms);
-    write_counts(queued, writer);
+    write_outline(record, writer);
     write_pattern(record, writer);
     json_write_string_member(writer, "pool", record->pool);
     json_write_string_member(writer, "reason", reason);

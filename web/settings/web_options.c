@@ -3,7 +3,6 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/base/nearest_name.h"
 #include "core/settings/options_file.h"
 #include "core/settings/options_value.h"
 
@@ -211,16 +210,12 @@ static bool is_setting(const struct option *option)
 
 static void fail_unknown(const char *key, struct error *error)
 {
-    const char *names[OPTION_VERSION - OPTION_CONFIG + 1] = {NULL}, *nearest;
+    const char *names[OPTION_VERSION - OPTION_CONFIG + 1] = {NULL};
     size_t count = 0;
 
     for (const struct option *option = long_options; option->name; option++)
         if (is_setting(option)) names[count++] = option->name;
-    nearest = nearest_name_find(key, names);
-    if (nearest)
-        error_set(error, "%s: there is no such setting, did you mean %s?", key, nearest);
-    else
-        error_set(error, "%s: there is no such setting, see march-web --help", key);
+    options_file_fail_key(key, names, "march-web", error);
 }
 
 static bool on_setting(void *user, const char *key, const char *value, struct error *error)
@@ -241,32 +236,19 @@ static void on_mistake(void *user, const char *mistake)
     mistakes->tell(mistakes->user, mistake);
 }
 
-// The file that is read where the command line names none; NULL: none. Owned by the caller.
-static char *find_file(const struct web_surroundings *surroundings, bool is_system)
-{
-    const char *folder = surroundings->xdg_config_home;
-    char *path = NULL;
-
-    if (is_system)
-        path = surroundings->config_path ? xstrdup(surroundings->config_path) : NULL;
-    else if (folder && *folder == '/')
-        path = xasprintf("%s/march-web.conf", folder);
-    else if (surroundings->home)
-        path = xasprintf("%s/.config/march-web.conf", surroundings->home);
-    if (path && access(path, F_OK) == 0) return path;
-    free(path);
-    return NULL;
-}
-
 static bool read_file(const struct setter *line, const struct web_surroundings *surroundings, const char *named,
                       bool is_system, struct error *error)
 {
     // Paths in a file must be absolute: the current folder may be any.
     struct setter setter = {.options = line->options, .mistakes = line->mistakes};
     struct options_file_handlers handlers = {.on_setting = on_setting, .on_mistake = on_mistake, .user = &setter};
+    const struct options_file_place place = {.name = "march-web.conf",
+                                             .system_path = surroundings->config_path,
+                                             .config_home = surroundings->xdg_config_home,
+                                             .home = surroundings->home};
     char **path = &line->options->config_file;
 
-    if (!named) *path = find_file(surroundings, is_system);
+    if (!named) *path = options_file_find(&place, is_system);
     if (named && !set_path(line, path, "config", named, error)) return false;
     if (*path) options_file_read(*path, &handlers);
     return true;

@@ -16,7 +16,7 @@
 
 static const struct web_surroundings ann = {.home = "/home/ann",
                                             .xdg_runtime_dir = "/run/user/1000",
-                                            .current_folder = "/work",
+                                            .current_folder = "/current",
                                             .program_folder = "/usr/bin",
                                             .data_folder = "/usr/share"};
 
@@ -90,7 +90,7 @@ static void the_line_goes_before_the_environment_and_the_file(void **state)
     assert_true(read_options(&options, &mistakes, &surroundings, line));
     assert_string_equal(options.socket_path, "/environment.sock");
     assert_string_equal(options.listen, "127.0.0.1:2");
-    assert_string_equal(options.page_folder, "/work/page");
+    assert_string_equal(options.page_folder, "/current/page");
     assert_int_equal(options.connection_limit, 7);
     assert_int_equal(options.origin_count, 2);
     web_options_finish(&options);
