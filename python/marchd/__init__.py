@@ -14,7 +14,17 @@ from .answers import (
     WorkerEvent,
 )
 from .async_farm import AsyncEvents, AsyncFarm
-from .errors import ConnectionLost, Conflict, FarmError, JobError, NotAllowed, NotFound, StoreError, WrongRequest
+from .errors import (
+    ConnectionLost,
+    Conflict,
+    FarmError,
+    JobError,
+    NotAllowed,
+    NotFound,
+    NotTrusted,
+    StoreError,
+    WrongRequest,
+)
 from .farm import Events, Farm
 from .follow import Disconnected, Event, Reconnected
 from .job_files import load_job, resolve_files
@@ -43,6 +53,7 @@ __all__ = [
     "JobShow",
     "NotAllowed",
     "NotFound",
+    "NotTrusted",
     "PhaseEvent",
     "Picture",
     "Reconnected",

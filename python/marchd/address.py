@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ipaddress
 import os
-from dataclasses import dataclass
+import ssl
+from dataclasses import dataclass, replace
 from typing import Protocol
 from urllib.parse import urlsplit
 
-from .errors import ConnectionLost, FarmError
+from .errors import ConnectionLost, FarmError, NotTrusted
 from .websocket import WebSocket
 
 
@@ -60,6 +61,7 @@ class Address:
     port: int = 0
     is_secure: bool = False
     base: str = ""  # of paths of the URL, without / at its end
+    cafile: str | None = None  # PEM file of certificates that are trusted; None: those of the system
 
     def framing(self, token: str | None) -> Framing:
         if self.paths:
@@ -67,10 +69,28 @@ class Address:
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         return WebSocket(self.authority, f"{self.base}/ws", headers)
 
+    def tls(self) -> ssl.SSLContext | None:
+        """What checks the certificate of an https:// address, and that it is this host's; None: no TLS."""
+        if not self.is_secure:
+            return None
+        try:
+            return ssl.create_default_context(cafile=self.cafile)
+        except OSError as error:
+            raise FarmError(f"certificates of {self.cafile}: {error.strerror or error}") from error
+
     @property
     def authority(self) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
         return host if self.port == (443 if self.is_secure else 80) else f"{host}:{self.port}"
+
+
+def find(text: str | None, token: str | None, cafile: str | os.PathLike[str] | None) -> Address:
+    """Where a farm is, by what its user has said: FarmError where that cannot be."""
+    address = usual() if text is None else parse(text)
+    if cafile is not None and not address.is_secure:
+        raise FarmError(f"cafile is for https:// addresses, not for {address.text}")
+    _check_token(address, token)
+    return address if cafile is None else replace(address, cafile=os.fspath(cafile))
 
 
 def parse(text: str) -> Address:
@@ -86,7 +106,7 @@ def parse(text: str) -> Address:
     return Address(text, (), parts.hostname, port, is_secure, parts.path.rstrip("/"))
 
 
-def check_token(address: Address, token: str | None) -> None:
+def _check_token(address: Address, token: str | None) -> None:
     """Refuses to send a token in clear text over a network, and one that would be more than a header's value."""
     if token is not None and not (token.isascii() and token.isprintable() and " " not in token):
         raise FarmError("a token has no spaces and no control characters")
@@ -116,5 +136,7 @@ def usual() -> Address:
     return Address(" or ".join(paths), tuple(paths))
 
 
-def no_farm(address: Address, reason: OSError) -> ConnectionLost:
+def no_farm(address: Address, reason: OSError) -> FarmError:
+    if isinstance(reason, ssl.SSLCertVerificationError):
+        return NotTrusted(f"the certificate of {address.text} is not trusted: {reason.verify_message}")
     return ConnectionLost(f"no farm answers at {address.text}: {reason.strerror or reason}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import ssl
 import time
 from collections import deque
 from collections.abc import AsyncIterator, Iterable, Mapping
@@ -32,7 +31,7 @@ async def _open_streams(address: addresses.Address) -> tuple[asyncio.StreamReade
             reason = error
     if address.paths:
         raise addresses.no_farm(address, reason)
-    secure = ssl.create_default_context() if address.is_secure else None
+    secure = address.tls()
     try:
         return await asyncio.wait_for(asyncio.open_connection(address.host, address.port, ssl=secure), CONNECT_S)
     except OSError as error:
@@ -67,7 +66,7 @@ class AsyncChannel:
             await self._read()
 
     def close(self) -> None:
-        self._writer.close()
+        self._writer.transport.abort()  # TLS's farewell would wait for the peer, and the loop may end before
 
     async def send(self, text: str) -> None:
         await self._send(self._framing.encode(text))
@@ -148,9 +147,14 @@ class Link:
 class AsyncFarm:
     """As Farm; requests of several tasks run at the same time on one connection."""
 
-    def __init__(self, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> None:
-        self.address = addresses.usual() if address is None else addresses.parse(address)
-        addresses.check_token(self.address, token)
+    def __init__(
+        self,
+        address: str | None = None,
+        token: str | None = None,
+        patience_s: float = 60.0,
+        cafile: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.address = addresses.find(address, token, cafile)
         self.patience_s = patience_s
         self._token = token
         self._link: Link | None = None
@@ -158,9 +162,15 @@ class AsyncFarm:
         self._lock = asyncio.Lock()
 
     @classmethod
-    async def connect(cls, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> AsyncFarm:
+    async def connect(
+        cls,
+        address: str | None = None,
+        token: str | None = None,
+        patience_s: float = 60.0,
+        cafile: str | os.PathLike[str] | None = None,
+    ) -> AsyncFarm:
         """A farm that answers now."""
-        farm = cls(address, token, patience_s)
+        farm = cls(address, token, patience_s, cafile)
         try:
             await farm.status()
         except BaseException:

@@ -25,11 +25,10 @@ def _connect_socket(address: addresses.Address) -> socket.socket:
             reason = error
     if address.paths:
         raise addresses.no_farm(address, reason)
+    context = address.tls()
     try:
         plain = socket.create_connection((address.host, address.port), CONNECT_S)
-        if not address.is_secure:
-            return plain
-        return ssl.create_default_context().wrap_socket(plain, server_hostname=address.host)
+        return context.wrap_socket(plain, server_hostname=address.host) if context else plain
     except OSError as error:
         raise addresses.no_farm(address, error) from error
 

@@ -42,6 +42,10 @@ class StoreError(FarmError):
     """The daemon cannot store anything at the moment."""
 
 
+class NotTrusted(FarmError):
+    """The certificate of an https:// address is not of an authority that is trusted, is another host's, or is too old."""
+
+
 class ConnectionLost(FarmError):
     """There is no daemon, or it went away. Whether the last change was done is then unknown."""
 

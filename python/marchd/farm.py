@@ -25,11 +25,17 @@ class Farm:
     """Methods raise FarmError and its kinds. May be used by several threads; one of them waits for an answer at a time.
 
     `address` is unix:PATH, http://HOST:PORT or https://HOST; None: where march looks. A connection that is lost is made
-    again: what only asks is asked again for `patience_s`, a change is not sent twice but raises ConnectionLost."""
+    again: what only asks is asked again for `patience_s`, a change is not sent twice but raises ConnectionLost.
+    `cafile`: a PEM file of the certificates that are trusted at https://; None: those of the system."""
 
-    def __init__(self, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> None:
-        self.address = addresses.usual() if address is None else addresses.parse(address)
-        addresses.check_token(self.address, token)
+    def __init__(
+        self,
+        address: str | None = None,
+        token: str | None = None,
+        patience_s: float = 60.0,
+        cafile: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.address = addresses.find(address, token, cafile)
         self.patience_s = patience_s
         self._token = token
         self._lock = threading.Lock()
@@ -38,9 +44,15 @@ class Farm:
         self._number = 0
 
     @classmethod
-    def connect(cls, address: str | None = None, token: str | None = None, patience_s: float = 60.0) -> Farm:
+    def connect(
+        cls,
+        address: str | None = None,
+        token: str | None = None,
+        patience_s: float = 60.0,
+        cafile: str | os.PathLike[str] | None = None,
+    ) -> Farm:
         """A farm that answers now."""
-        farm = cls(address, token, patience_s)
+        farm = cls(address, token, patience_s, cafile)
         try:
             farm.status()
         except BaseException:

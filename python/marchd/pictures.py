@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import json
-import ssl
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -43,9 +42,9 @@ def get_header(address: Address, token: str | None, job: int, frame: int) -> dic
 
 
 def _open(address: Address) -> http.client.HTTPConnection:
-    if not address.is_secure:
+    context = address.tls()
+    if not context:
         return http.client.HTTPConnection(address.host, address.port, timeout=TIMEOUT_S)
-    context = ssl.create_default_context()
     return http.client.HTTPSConnection(address.host, address.port, timeout=TIMEOUT_S, context=context)
 
 

@@ -10,6 +10,6 @@ if command -v mypy >/dev/null; then
 else
     echo "without the check of types: there is no mypy"
 fi
-for name in wire farm web examples; do
+for name in wire farm web tls examples; do
     python3 -W error::ResourceWarning "$PROJECT_ROOT/tests/python/${name}_test.py" || fail "$name: see above"
 done

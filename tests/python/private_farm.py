@@ -54,11 +54,11 @@ class PrivateFarm:
             assert time.monotonic() < end and self._process.poll() is None, self.log()
             time.sleep(0.02)
 
-    def start_web(self) -> str:
+    def start_web(self, *options: str) -> str:
         """Begins a march-web before the daemon, and returns its address."""
         command: list[str | pathlib.Path] = [BIN / "march-web", "--config", "/dev/null", "--socket", self.socket]
         command += ["--listen", "127.0.0.1:0", "--page-dir", ROOT / "web/page", "--document-dir", ROOT / "jobs"]
-        command += ["--cache-dir", self.folder / "pictures"]
+        command += ["--cache-dir", self.folder / "pictures", *options]
         log = self.folder / "web.log"
         with open(log, "wb") as file:
             self._web = subprocess.Popen(command, stderr=file, env={**os.environ, "XDG_CONFIG_HOME": str(self.folder)})
