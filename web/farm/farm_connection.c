@@ -17,6 +17,7 @@ enum {
     DROP_ID = 1,
     TOKEN_ID = 2,
     BEGIN_TIME_MS = 15000,       // for the daemon to take the token
+    BROKEN_TIME_MS = 100,        // for what the daemon said before it was gone to be read
     WAITING_LIMIT = 1024 * 1024, // bytes; above it, on_drained follows
     ID_TEXT_SIZE = 16
 };
@@ -36,7 +37,7 @@ struct farm_connection {
     uv_connect_t connect;
     int open_handles;
     struct message_stream stream;
-    bool is_paused, was_full, is_reading;
+    bool is_paused, was_full, is_reading, is_broken;
     struct error why; // that it ended
 };
 
@@ -48,6 +49,7 @@ struct write {
 
 static void on_connected(uv_connect_t *request, int status);
 static void on_late(uv_timer_t *timer);
+static void on_broken(uv_timer_t *timer);
 static void on_room(uv_handle_t *handle, size_t suggested, uv_buf_t *buffer);
 static void on_read(uv_stream_t *pipe, ssize_t count, const uv_buf_t *buffer);
 static void on_written(uv_write_t *request, int status);
@@ -115,10 +117,27 @@ static void end(struct farm_connection *connection, enum farm_end end, const cha
     connection->handlers->on_closed(connection->user, end, connection->why.message);
 }
 
+static void forget_write(struct write *write)
+{
+    explicit_bzero(write->bytes, write->length); // it may hold a token
+    free(write);
+}
+
+// After a write that failed: no answer will come to it. The end follows from the loop, for who sends is not told from
+// within.
+static void break_off(struct farm_connection *connection, int status)
+{
+    if (connection->stage == CLOSED || connection->is_broken) return;
+    connection->is_broken = true;
+    error_set(&connection->why, "%s", uv_strerror(status));
+    uv_timer_start(&connection->timer, on_broken, BROKEN_TIME_MS, 0);
+}
+
 static void send_line(struct farm_connection *connection, const char *text, size_t length)
 {
     struct write *write = xmalloc(sizeof *write + length + 1);
     uv_buf_t buffer = uv_buf_init(write->bytes, (unsigned)(length + 1));
+    int status;
 
     memcpy(write->bytes, text, length);
     for (char *at = write->bytes; (at = memchr(at, '\n', (size_t)(write->bytes + length - at))); at++)
@@ -126,7 +145,11 @@ static void send_line(struct farm_connection *connection, const char *text, size
     write->bytes[length] = '\n';
     write->length = length + 1;
     write->request.data = connection;
-    if (uv_write(&write->request, (uv_stream_t *)&connection->pipe, &buffer, 1, on_written) != 0) free(write);
+    status = uv_write(&write->request, (uv_stream_t *)&connection->pipe, &buffer, 1, on_written);
+    if (status != 0) {
+        forget_write(write);
+        break_off(connection, status);
+    }
     if (farm_connection_is_full(connection)) connection->was_full = true;
 }
 
@@ -145,8 +168,8 @@ static void on_written(uv_write_t *request, int status)
     struct write *write = (struct write *)request;
     struct farm_connection *connection = request->data;
 
-    explicit_bzero(write->bytes, write->length); // it may hold a token
-    free(write);
+    forget_write(write);
+    if (status != 0) break_off(connection, status);
     if (status != 0 || connection->stage != READY || !connection->was_full || farm_connection_is_full(connection))
         return;
     connection->was_full = false;
@@ -198,6 +221,14 @@ static void on_late(uv_timer_t *timer)
     end(timer->data, FARM_AWAY, "it does not answer");
 }
 
+static void on_broken(uv_timer_t *timer)
+{
+    struct farm_connection *connection = timer->data;
+    struct error why = connection->why;
+
+    end(connection, FARM_AWAY, why.message);
+}
+
 static void on_room(uv_handle_t *handle, size_t suggested, uv_buf_t *buffer)
 {
     struct farm_connection *connection = handle->data;
@@ -232,7 +263,7 @@ static bool read_identity(struct farm_identity *identity, const struct json_node
 static void become_ready(struct farm_connection *connection)
 {
     connection->stage = READY;
-    uv_timer_stop(&connection->timer);
+    if (!connection->is_broken) uv_timer_stop(&connection->timer);
     connection->handlers->on_ready(connection->user, &connection->identity);
 }
 
