@@ -4,6 +4,7 @@ import json
 import socket
 import sys
 import threading
+import time
 
 from web_client import PATIENCE_S, Client, Closed, WebSocket, ask, bearer, call
 
@@ -103,14 +104,16 @@ def revoked(token):
 
 def away(token):
     assert ask(port, "GET", "/healthz").status == 200, "the program runs"
-    answer = ask(port, "GET", "/readyz")
+    while (answer := ask(port, "GET", "/readyz")).status == 200:
+        pass  # an answer holds for a second
     assert answer.status == 503 and "daemon" in answer.json()["error"] and answer.headers["retry-after"], answer
     assert ask(port, "GET", "/session", bearer(token)).status == 503
     assert ask(port, "POST", "/rpc", bearer(token), '{"jsonrpc":"2.0","id":1,"method":"job.list"}').status == 503
 
 
 def back(token):
-    assert ask(port, "GET", "/readyz").status == 200
+    while ask(port, "GET", "/readyz").status != 200:
+        pass  # an answer holds for a second
     assert "result" in call(port, token, "job.list")
 
 
@@ -140,6 +143,36 @@ def impostor(token, path):
         assert closed.code == 1013, closed
     said = b"".join(heard)
     assert said.count(b"auth.drop") == 2 and token.encode() not in said and b"job.list" not in said, said
+
+
+def shared(path):
+    """However many ask whether the daemon answers, it is asked once a second."""
+    taken = []
+    listener = socket.socket(socket.AF_UNIX)
+    listener.bind(path)
+    listener.listen(256)
+
+    def serve():
+        while True:
+            connection, _ = listener.accept()
+            taken.append(connection)
+            connection.recv(65536)
+            connection.sendall(b'{"jsonrpc":"2.0","id":1,"result":{}}\n')
+
+    time.sleep(1.5)  # what was said of the daemon before is out of date
+    threading.Thread(target=serve, daemon=True).start()
+    began = time.monotonic()
+    clients = [Client(port) for _ in range(20)]
+    for client in clients:
+        client.send(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+    clients.pop().socket.close()  # who goes away takes nobody's answer along
+    for client in clients:
+        answer = client.answer()
+        assert answer.status == 200 and answer.body == b"ok\n", answer
+    for _ in range(100):
+        assert clients[0].ask("GET", "/readyz").status == 200
+    seconds = time.monotonic() - began
+    assert 1 <= len(taken) <= seconds + 2, (len(taken), seconds)
 
 
 globals()[part](*sys.argv[3:])

@@ -24,8 +24,12 @@ web_python web_session.py away "$submit_token"
 start_daemon
 web_python web_session.py back "$submit_token"
 
-# Another program at the daemon's socket, or one from before tokens: nothing is sent to it with our own rights.
+# What asks whether the daemon is there costs it little.
 stop_daemon
+rm -f "$socket"
+web_python web_session.py shared "$socket"
+
+# Another program at the daemon's socket, or one from before tokens: nothing is sent to it with our own rights.
 rm -f "$socket"
 web_python web_session.py impostor "$submit_token" "$socket"
 rm -f "$socket"

@@ -12,6 +12,7 @@
 #include "web/routes/route_files.h"
 #include "web/routes/route_frame.h"
 #include "web/routes/route_metrics.h"
+#include "web/routes/route_ready.h"
 #include "web/routes/route_rpc.h"
 #include "web/routes/route_session.h"
 #include "web/routes/route_socket.h"
@@ -34,6 +35,7 @@ struct web {
     struct notifier *notifier;
     struct route_files files;
     struct route_session session;
+    struct route_ready *ready; // owned
     struct route_socket sockets;
     struct http_route routes[ROUTE_COUNT];
 };
@@ -56,7 +58,7 @@ static void lay_out(struct web *web, const struct web_options *options)
         {.method = "GET", .path = "/openrpc.json", .answer = route_files_document, .user = &web->files},
         {.method = "GET", .path = "/schema.json", .answer = route_files_document, .user = &web->files},
         {.method = "GET", .path = "/healthz", .answer = answer_health},
-        {.method = "GET", .path = "/readyz", .answer = route_session_ready, .user = &web->session},
+        {.method = "GET", .path = "/readyz", .answer = route_ready_answer, .user = web->ready},
         {.method = "GET", .path = "/metrics", .needs_token = true, .answer = route_metrics, .user = web->calls},
         {.method = "GET", .path = "/session", .needs_token = true, .answer = route_session_show, .user = &web->session},
         {.method = "GET",
@@ -113,6 +115,7 @@ static void on_server_closed(void *user)
 {
     struct web *web = user;
 
+    route_ready_destroy(web->ready);
     route_frame_close(web->frames);
     farm_calls_destroy(web->calls);
 }
@@ -175,6 +178,7 @@ bool web_run(const struct web_options *options, struct error *error)
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&web.loop);
     web.calls = farm_calls_create(&web.loop, options->socket_path);
+    web.ready = route_ready_create(&web.loop, web.calls);
     web.frames = open_frames(&web, options);
     lay_out(&web, options);
     watch_signal(&web, &web.terminated, SIGTERM);

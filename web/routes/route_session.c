@@ -105,18 +105,3 @@ void route_session_end(struct http_request *request, void *user)
     http_request_answer(request, &(struct http_answer){.status = 204, .cookie = cookie});
     http_credentials_free(cookie);
 }
-
-static void on_there(struct http_request *request, const struct farm_answer *answer, void *user)
-{
-    (void)answer;
-    (void)user;
-    http_request_answer(request,
-                        &(struct http_answer){.type = "text/plain; charset=utf-8", .bytes = "ok\n", .size_bytes = 3});
-}
-
-void route_session_ready(struct http_request *request, void *user)
-{
-    const struct route_session *session = user;
-
-    web_calls_begin_as(session->calls, request, NULL, on_there, NULL);
-}

@@ -16,4 +16,3 @@ struct route_session {
 void route_session_front(struct http_request *request, void *user); // GET /: the page, or with ?token= signs in
 void route_session_show(struct http_request *request, void *user);  // GET /session
 void route_session_end(struct http_request *request, void *user);   // POST /logout
-void route_session_ready(struct http_request *request, void *user); // GET /readyz
