@@ -6,7 +6,8 @@
 
 # Settings that would let everybody in are refused.
 for wrong in '--listen 0.0.0.0:8470' '--listen [::]:8470' '--listen 127.0.0.1' '--listen localhost:80' '--origin farm' \
-    '--origin https://farm/page' '--connections 0' '--page-dirs x'; do
+    '--origin https://farm/page' '--origin http://farm.example.org' '--origin http://192.0.2.7:8470' \
+    '--origin http://localhost.evil.example' '--listen 0.0.0.0:8470 --origin http://localhost:8470' '--connections 0' '--page-dirs x'; do
     # shellcheck disable=SC2086 # an option and its value
     "$bin/march-web" --config /dev/null --socket "$socket" --check-config $wrong >"$scratch/out.txt" 2>"$scratch/err.txt" &&
         fail "$wrong is taken"
@@ -17,6 +18,12 @@ printf 'listen = 127.0.0.1:1\nlisten: x\norigins = https://farm\n' >"$scratch/wr
 "$bin/march-web" --config "$scratch/wrong.conf" --check-config 2>"$scratch/err.txt" && fail "a wrong file is taken"
 grep -q 'wrong.conf:2: expected KEY = VALUE' "$scratch/err.txt" || fail "$(cat "$scratch/err.txt")"
 grep -q 'wrong.conf:3: origins: there is no such setting, did you mean origin?' "$scratch/err.txt" || fail "$(cat "$scratch/err.txt")"
+
+"$bin/march-web" --config /dev/null --socket "$socket" --check-config --origin http://farm 2>"$scratch/err.txt"
+grep -q "expected https://..., got \"http://farm\": http is for this machine's own names" "$scratch/err.txt" ||
+    fail "$(cat "$scratch/err.txt")"
+"$bin/march-web" --config /dev/null --socket "$socket" --check-config --origin http://localhost:9000 >"$scratch/out.txt" ||
+    fail "an origin of this machine by http is refused"
 
 start_daemon
 start_web --origin https://farm.example.org --address-connections 40

@@ -26,11 +26,38 @@ static bool is_port(const char *text)
     return length >= 1 && length <= 5 && !text[length];
 }
 
+static bool is_loopback(const char *host)
+{
+    static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
+
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        size_t length = strlen(names[i]);
+
+        if (strncasecmp(host, names[i], length) != 0) continue;
+        if (!host[length] || (host[length] == ':' && is_port(host + length + 1))) return true;
+    }
+    return false;
+}
+
+// Over http browsers do not say whether another site made them ask (Sec-Fetch-Site), and whoever is on the way reads
+// and changes what passes.
+static bool is_plain_and_far(const char *origin)
+{
+    return strncasecmp(origin, plain, strlen(plain)) == 0 && !is_loopback(host_of(origin));
+}
+
 bool http_origins_add(struct http_origins *origins, const char *text, struct error *error)
 {
     const char *host = host_of(text), *end;
     size_t length;
 
+    if (host && is_plain_and_far(text)) {
+        error_set(error,
+                  "--origin: expected https://..., got \"%s\": http is for this machine's own names alone (localhost, "
+                  "127.0.0.1, [::1])",
+                  text);
+        return false;
+    }
     if (host) {
         length = *host == '[' ? 1 + strspn(host + 1, "0123456789abcdefABCDEF:.") : strcspn(host, ":/");
         if (*host == '[' && host[length] == ']') length++;
@@ -55,24 +82,18 @@ void http_origins_finish(struct http_origins *origins)
     *origins = (struct http_origins){0};
 }
 
-static bool is_loopback(const char *host)
-{
-    static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
-
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        size_t length = strlen(names[i]);
-
-        if (strncasecmp(host, names[i], length) != 0) continue;
-        if (!host[length] || (host[length] == ':' && is_port(host + length + 1))) return true;
-    }
-    return false;
-}
-
 static const char *find_origin(const struct http_origins *origins, const char *host)
 {
     for (size_t i = 0; i < origins->count; i++)
         if (strcasecmp(host_of(origins->texts[i]), host) == 0) return origins->texts[i];
     return NULL;
+}
+
+bool http_origins_have_secure(const struct http_origins *origins)
+{
+    for (size_t i = 0; i < origins->count; i++)
+        if (strncasecmp(origins->texts[i], secure, strlen(secure)) == 0) return true;
+    return false;
 }
 
 bool http_host_is_ours(const struct http_origins *origins, const char *host)

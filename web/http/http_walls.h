@@ -13,9 +13,10 @@ struct http_origins {
     size_t count, capacity;
 };
 
-// Takes "http://HOST[:PORT]" or "https://HOST[:PORT]".
+// Takes "https://HOST[:PORT]", and "http://HOST[:PORT]" where the host is this machine by its own name.
 bool http_origins_add(struct http_origins *origins, const char *text, struct error *error);
 void http_origins_finish(struct http_origins *origins);
+bool http_origins_have_secure(const struct http_origins *origins); // true where one begins with https
 
 // True of a Host that is this machine's by a name that no name server decides on (localhost, 127.0.0.1, [::1], any
 // port, for a tunnel may have another), or that of an origin. Any other is a page whose name was pointed at us.

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -15,7 +16,7 @@ static struct http_origins farm_origins(void)
     struct http_origins origins = {0};
 
     assert_true(http_origins_add(&origins, "https://farm.example.org", NULL));
-    assert_true(http_origins_add(&origins, "http://render:8080", NULL));
+    assert_true(http_origins_add(&origins, "http://localhost:8080", NULL));
     return origins;
 }
 
@@ -51,9 +52,9 @@ static void hosts_of_origins_are_ours(void **state)
 
     (void)state;
     assert_true(http_host_is_ours(&origins, "farm.example.org"));
-    assert_true(http_host_is_ours(&origins, "render:8080"));
+    assert_true(http_host_is_ours(&origins, "localhost:8080"));
     assert_true(http_host_is_secure(&origins, "farm.example.org"));
-    assert_false(http_host_is_secure(&origins, "render:8080"));
+    assert_false(http_host_is_secure(&origins, "localhost:8080"));
     assert_false(http_host_is_secure(&origins, "localhost:8470"));
     http_origins_finish(&origins);
 }
@@ -105,6 +106,33 @@ static void an_origin_is_a_scheme_and_a_host(void **state)
     http_origins_finish(&origins);
 }
 
+static void plain_http_is_for_this_machine_alone(void **state)
+{
+    static const char *const wrong[] = {"http://farm.example.org",
+                                        "HTTP://farm",
+                                        "http://192.0.2.7:8470",
+                                        "http://[fd00::1]",
+                                        "http://localhost.evil.example",
+                                        "http://127.0.0.1.nip.io",
+                                        "http://"};
+    struct http_origins origins = {0};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        struct error error = {0};
+
+        if (http_origins_add(&origins, wrong[i], &error)) fail_msg("%s", wrong[i]);
+        assert_non_null(strstr(error.message, "http is for this machine's own names alone"));
+    }
+    assert_true(http_origins_add(&origins, "http://localhost:9000", NULL));
+    assert_true(http_origins_add(&origins, "http://127.0.0.1", NULL));
+    assert_true(http_origins_add(&origins, "http://[::1]:8470", NULL));
+    assert_false(http_origins_have_secure(&origins));
+    assert_true(http_origins_add(&origins, "https://farm", NULL));
+    assert_true(http_origins_have_secure(&origins));
+    http_origins_finish(&origins);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -114,6 +142,7 @@ int main(void)
         cmocka_unit_test(an_origin_is_ours_only_beside_its_own_host),
         cmocka_unit_test(fetches_of_other_sites_are_not_ours),
         cmocka_unit_test(an_origin_is_a_scheme_and_a_host),
+        cmocka_unit_test(plain_http_is_for_this_machine_alone),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
