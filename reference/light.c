@@ -33,6 +33,9 @@ struct light_arrival light_arrive(const struct light *light, struct vec3 positio
     case SCENE_LIGHT_POINT:
         return arrive_from_point(light, position);
     case SCENE_LIGHT_SUN:
+    case SCENE_LIGHT_SPOT:
+    case SCENE_LIGHT_SPHERE:
+    case SCENE_LIGHT_DOME:
         break;
     }
     return arrive_from_sun(light);

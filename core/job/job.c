@@ -52,6 +52,7 @@ static const struct method {
     [JOB_METHOD_CACHED] = {"cached", true},
     [JOB_METHOD_PREINTEGRATED] = {"preintegrated", true},
     [JOB_METHOD_TRACKING] = {"tracking", true},
+    [JOB_METHOD_PATHS] = {"paths", false},
     [JOB_METHOD_AUTO] = {"auto", false},
     [JOB_METHOD_DRAFT] = {"draft", false},
 };

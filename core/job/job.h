@@ -37,7 +37,10 @@ enum {
     JOB_CACHED_MEDIUM_LIMIT = 4, // media of varying density with cached: the channels of a texel
     JOB_DEPTH_DEFAULT = 8,
     JOB_STRIDE_DEFAULT = 16, // of lattices of traced pixels
-    JOB_STRIDE_LIMIT = 64
+    JOB_STRIDE_LIMIT = 64,
+    JOB_PATH_LIMIT = 1 << 20,    // a pixel, or a node
+    JOB_PATH_DEFAULT = 256,      // a node
+    JOB_SCATTER_GRID_LIMIT = 256 // cells along a side
 };
 
 enum job_method {
@@ -50,6 +53,7 @@ enum job_method {
     JOB_METHOD_CACHED, // midpoint; transmittances to each light come from a grid that is filled once a frame
     JOB_METHOD_PREINTEGRATED, // midpoint; the transfer function's integral between two end values comes from a table
     JOB_METHOD_TRACKING, // random estimates without bias: delta or ratio tracking and others, see enum job_estimator
+    JOB_METHOD_PATHS,    // random paths of all orders of scattering, without bias
     JOB_METHOD_AUTO,     // the planner replaces it by the cheapest method that keeps `tolerance`
     JOB_METHOD_DRAFT     // the worker replaces it by the one that a count of its work favours
 };
@@ -93,6 +97,10 @@ struct job_quality {
     int order;         // points in a segment (gauss), [2, JOB_ORDER_LIMIT]
     int light_grid;    // cells along each side of a light's grid (cached)
     int density_grid;  // cells along the longest side of the grid that a costly density is baked into (cached); 0: none
+    // Cells along the longest side of the grid of scattered light (above order 1, beside a march), [4,
+    // JOB_SCATTER_GRID_LIMIT]; 0: none.
+    int scatter_grid;
+    int paths;                    // a pixel (paths), or a node of the scatter_grid; 0: neither
     enum job_estimator estimator; // (tracking)
     double min_transmittance;     // a ray ends below it; 0: never
     // Russian roulette: a ray whose transmittance is below `roulette_below` survives with the probability

@@ -5,6 +5,7 @@
 #include "core/base/utf8.h"
 #include "core/job/job.h"
 #include "core/job/job_pixels.h"
+#include "core/job/scattering_check.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
 #include "core/scene/light_rules.h"
@@ -193,8 +194,8 @@ static bool check_pixels(const struct job *job, const struct json_node *document
 bool job_check(const struct job *job, const struct json_node *document, struct error *error)
 {
     return check_paths(job, document, error) && check_tolerance(job, document, error) &&
-           check_pixels(job, document, error) && check_moments(job, document, error) &&
-           step_check(job, document, error);
+           check_pixels(job, document, error) && scattering_check(job, document, error) &&
+           check_moments(job, document, error) && step_check(job, document, error);
 }
 
 static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)

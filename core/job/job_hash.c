@@ -81,13 +81,24 @@ static void put_object(FILE *text, const struct scene *scene, const struct scene
     fputc('\n', text);
 }
 
+static void put_light(FILE *text, const struct scene_light *light)
+{
+    fprintf(text, "light %d falloff %d", (int)light->kind, (int)light->falloff);
+    if (light->kind == SCENE_LIGHT_DOME) {
+        fprintf(text, " dome %d visible %d", (int)light->dome.kind, light->dome.is_visible);
+        hash_text_string(text, "file", light->dome.file);
+    }
+    fputc('\n', text);
+}
+
 static void put_scene(FILE *text, const struct scene *scene)
 {
     hash_text_numbers(text, "clip", (double[]){scene->camera.clip_near, scene->camera.clip_far}, 2);
     hash_text_numbers(text, "shutter", &scene->camera.shutter, 1);
     fprintf(text, " mirror %d background %d\n", scene->camera.mirror, scene->has_background);
     for (size_t i = 0; i < scene->light_count; i++)
-        fprintf(text, "light %d falloff %d\n", (int)scene->lights[i].kind, (int)scene->lights[i].falloff);
+        put_light(text, &scene->lights[i]);
+    if (scene->orders != 1) fprintf(text, "orders %d\n", scene->orders);
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_medium *medium = &scene->media[i];
 
@@ -124,6 +135,7 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     hash_text_numbers(text, "min_transmittance", &quality->min_transmittance, 1);
     hash_text_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
+    if (quality->paths > 0) fprintf(text, " scatter_grid %d paths %d", quality->scatter_grid, quality->paths);
     if (quality->pixels.stride == 0) return;
     fprintf(text, " stride %d", quality->pixels.stride);
     hash_text_numbers(text, "threshold", &quality->pixels.threshold, 1);

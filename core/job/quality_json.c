@@ -14,6 +14,7 @@ enum { GRID_MIN = 4 };
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
 
 // Keys of all methods that take steps, and of all that render scenes with objects.
+#define SCATTER_KEYS "scatter_grid", "paths"
 #define STEP_KEYS "method", "step", "step_voxels", "light_step", "light_step_voxels", "min_transmittance"
 #define PATH_KEYS "samples", "max_depth", "min_throughput", "max_cut"
 
@@ -112,14 +113,14 @@ static bool read_steps(const struct json_node *object, struct job_quality *quali
 
 static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "roulette", "pixels", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, SCATTER_KEYS, "roulette", "pixels", PATH_KEYS, NULL};
 
     return json_check_keys(object, keys, error) && read_steps(object, quality, error);
 }
 
 static bool read_adaptive(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "depth_step", "roulette", "pixels", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, SCATTER_KEYS, "depth_step", "roulette", "pixels", PATH_KEYS, NULL};
     struct json_node depth_step = json_node_child(object, "depth_step");
 
     return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
@@ -128,7 +129,7 @@ static bool read_adaptive(const struct json_node *object, struct job_quality *qu
 
 static bool read_gauss(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "order", "pixels", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, SCATTER_KEYS, "order", "pixels", PATH_KEYS, NULL};
     struct json_node order = json_node_child(object, "order");
     int64_t integer = 2;
 
@@ -152,8 +153,8 @@ static bool read_grid(const struct json_node *object, const char *key, int least
 static bool read_cached(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     static const char *const keys[] = {
-        "method", "step",    "step_voxels", "light_grid", "depth_step", "density_grid", "min_transmittance",
-        "pixels", PATH_KEYS, NULL};
+        "method",     "step",   "step_voxels", "light_grid", "depth_step", "density_grid", "min_transmittance",
+        SCATTER_KEYS, "pixels", PATH_KEYS,     NULL};
     struct json_node depth_step = json_node_child(object, "depth_step");
     struct json_node density_grid = json_node_child(object, "density_grid");
 
@@ -209,18 +210,26 @@ static bool read_auto(const struct json_node *object, struct job_quality *qualit
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "points", "pixels", PATH_KEYS, NULL};
+    static const char *const keys[] = {"method", "points", SCATTER_KEYS, "pixels", PATH_KEYS, NULL};
 
     return json_check_keys(object, keys, error) &&
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
 }
 
+static bool read_random_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "paths", "samples", "pixels", "max_cut", NULL};
+
+    return json_check_keys(object, keys, error) && read_count(object, "paths", JOB_PATH_LIMIT, &quality->paths, error);
+}
+
 // Without a method the planner chooses these keys.
 static bool check_is_planned(const struct json_node *object, struct error *error)
 {
-    static const char *const keys[] = {
-        "step",  "step_voxels", "light_step",  "light_step_voxels", "light_grid", "density_grid", "depth_step",
-        "order", "points",      "light_steps", "min_transmittance", "roulette",   "pixels"};
+    static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
+                                       "light_grid", "density_grid", "depth_step",        "order",
+                                       "points",     "light_steps",  "min_transmittance", "roulette",
+                                       "pixels",     "paths",        "scatter_grid"};
 
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         struct json_node node = json_node_child(object, keys[i]);
@@ -261,6 +270,8 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
         return read_cached(object, quality, error);
     case JOB_METHOD_TRACKING:
         return read_tracking(object, quality, error);
+    case JOB_METHOD_PATHS:
+        return read_random_paths(object, quality, error);
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // no name of a method
         return read_auto(object, quality, error);
@@ -299,6 +310,21 @@ static bool read_draft(const struct json_node *text, struct job_quality *quality
     return true;
 }
 
+// Reads the keys of the grid of scattered light beside a march.
+static bool read_scatter_grid(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    struct json_node grid = json_node_child(object, "scatter_grid"), paths = json_node_child(object, "paths");
+    int64_t cells;
+
+    if (quality->method == JOB_METHOD_PATHS) return true;
+    if (json_node_is_absent(&grid))
+        return json_node_is_absent(&paths) || json_fail(&paths, error, "only beside scatter_grid");
+    if (!json_read_integer(&grid, GRID_MIN, JOB_SCATTER_GRID_LIMIT, &cells, error)) return false;
+    quality->scatter_grid = (int)cells;
+    quality->paths = JOB_PATH_DEFAULT;
+    return json_node_is_absent(&paths) || read_count(object, "paths", JOB_PATH_LIMIT, &quality->paths, error);
+}
+
 bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error)
 {
     struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
@@ -315,7 +341,8 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
     return json_check_object(&object, error) && read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||
             read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&
-           read_pixels(&object, &quality->pixels, error) && read_paths(&object, quality, error);
+           read_scatter_grid(&object, quality, error) && read_pixels(&object, &quality->pixels, error) &&
+           read_paths(&object, quality, error);
 }
 
 static void write_number(struct json_writer *writer, const char *key, double number)
@@ -351,6 +378,8 @@ void quality_to_json(struct json_writer *writer, const struct job *job, const st
     write_count(writer, "points", quality->points);
     write_count(writer, "light_grid", quality->light_grid);
     write_count(writer, "density_grid", quality->density_grid);
+    write_count(writer, "scatter_grid", quality->scatter_grid);
+    write_count(writer, "paths", quality->paths);
     write_number(writer, "min_transmittance", quality->min_transmittance);
     json_write_integer_member(writer, "samples", quality->samples);
     write_pixels(writer, &quality->pixels);

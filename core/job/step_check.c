@@ -448,6 +448,8 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_cached(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
+    case JOB_METHOD_PATHS:
+        return true;
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);

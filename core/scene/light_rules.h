@@ -13,6 +13,7 @@ struct light_rules {
     const char *name;   // in the job
     const char *noun;   // in sentences: "a sun"
     bool has_position;  // its light comes from there; else it is parallel
+    bool has_size;      // its light comes from many directions: no march shows it
     bool has_direction; // in which it shines, of any length but 0
     // `reader` stands at the light, of which only the kind is set. On failure the caller still calls scene_finish.
     bool (*read)(const struct scene_reader *reader, struct scene_light *light);

@@ -57,6 +57,28 @@ static void visit_shape(struct scene_shape *shape, timeline_visitor *visit, void
     visit("normal", &shape->normal, user);
 }
 
+// Only kinds that have these visit them, so that the hashes of others stay.
+static void visit_extent(struct scene_light *light, timeline_visitor *visit, void *user)
+{
+    switch (light->kind) {
+    case SCENE_LIGHT_POINT:
+    case SCENE_LIGHT_SUN:
+        break;
+    case SCENE_LIGHT_SPOT:
+        visit("inner", &light->inner, user);
+        visit("outer", &light->outer, user);
+        break;
+    case SCENE_LIGHT_SPHERE:
+        visit("radius", &light->radius, user);
+        break;
+    case SCENE_LIGHT_DOME:
+        visit("opposite", &light->dome.opposite, user);
+        visit("axis", &light->dome.axis, user);
+        visit("angle", &light->dome.angle, user);
+        break;
+    }
+}
+
 void scene_visit_timelines(struct scene *scene, timeline_visitor *visit, void *user)
 {
     visit("position", &scene->camera.position, user);
@@ -67,6 +89,7 @@ void scene_visit_timelines(struct scene *scene, timeline_visitor *visit, void *u
         visit("intensity", &scene->lights[i].intensity, user);
         visit("position", &scene->lights[i].position, user);
         visit("direction", &scene->lights[i].direction, user);
+        visit_extent(&scene->lights[i], visit, user);
     }
     for (size_t i = 0; i < scene->medium_count; i++)
         visit_medium(&scene->media[i], visit, user);
@@ -99,6 +122,8 @@ void scene_finish(struct scene *scene)
         finish_medium(&scene->media[i]);
     for (size_t i = 0; i < scene->object_count; i++)
         free(scene->objects[i].material.texture.file);
+    for (size_t i = 0; i < scene->light_count; i++)
+        free(scene->lights[i].dome.file);
     *scene = (struct scene){0};
 }
 

@@ -14,7 +14,9 @@ enum {
     SCENE_MEDIUM_LIMIT = 8, // including interiors
     SCENE_LOBE_LIMIT = 8,
     SCENE_OBJECT_LIMIT = 16,
-    SCENE_SHAPE_LIMIT = 32 // of all objects
+    SCENE_SHAPE_LIMIT = 32, // of all objects
+    SCENE_ORDER_LIMIT = 1000,
+    SCENE_ORDERS_ALL = 1000 * 1000 // stands for every order of scattering
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
@@ -26,19 +28,48 @@ struct scene_camera {
     double shutter;                       // frames: open from t to t + shutter / fps; [0, 1000]
 };
 
-enum scene_light_kind { SCENE_LIGHT_POINT, SCENE_LIGHT_SUN };
+enum scene_light_kind {
+    SCENE_LIGHT_POINT,
+    SCENE_LIGHT_SUN,
+    SCENE_LIGHT_SPOT,   // a point that shines into a cone
+    SCENE_LIGHT_SPHERE, // of even radiance outside, dark inside; it blocks nothing
+    SCENE_LIGHT_DOME    // light from all directions, infinitely far away; a scene has one at most
+};
 
 enum scene_falloff {
     SCENE_FALLOFF_INVERSE_SQUARE, // intensity is W/sr
     SCENE_FALLOFF_NONE            // intensity is the irradiance everywhere, W/m^2
 };
 
+enum scene_dome_kind {
+    SCENE_DOME_RADIANCE, // the same from everywhere
+    SCENE_DOME_GRADIENT, // from `opposite` against the axis to `intensity` along it, linear in the cosine
+    SCENE_DOME_FILE      // an image of all directions
+};
+
+// An image in latitude and longitude: u = 1/2 + atan2(x, z) / 2 pi from left to right, v = 1/2 + asin(y) / pi up, of
+// the direction (x, y, z) towards the sky. Then it is turned by `angle` about `axis`.
+struct scene_dome {
+    enum scene_dome_kind kind;
+    char *file;               // owned; an EXR; NULL: there is none
+    struct timeline opposite; // gradient: radiance, 1 or 3 components, >= 0
+    struct timeline axis;     // gradient, file; any length but 0
+    struct timeline angle;    // file, degrees
+    bool is_visible;          // it is seen behind everything
+};
+
 struct scene_light {
     enum scene_light_kind kind;
     enum scene_falloff falloff; // point only
-    struct timeline intensity;  // 1 or 3 components, >= 0; of a sun: irradiance
-    struct timeline position;   // where its kind has one (light_rules.h)
-    struct timeline direction;  // the same: the direction of travel of its light; any length but 0
+    // 1 or 3 components, >= 0: W/sr; of a sun: irradiance; of a dome: radiance, that of the gradient along its axis, or
+    // by what the image is multiplied. A sphere's radiance is intensity / (pi radius^2), W/sr seen from afar.
+    struct timeline intensity;
+    struct timeline position;  // where its kind has one (light_rules.h)
+    struct timeline direction; // the same: the direction of travel of its light; any length but 0
+    struct timeline inner,
+        outer;              // spot: half-angles in degrees, (0, 90]; all of its light, and none; smoothstep between
+    struct timeline radius; // sphere: m, > 0
+    struct scene_dome dome; // dome
 };
 
 // Blackbody emission: source = intensity rho B(kelvin value). B is Planck's radiation in linear Rec. 709, scaled to the
@@ -130,8 +161,11 @@ struct scene {
     size_t shape_count;
     struct scene_object objects[SCENE_OBJECT_LIMIT];
     size_t object_count;
-    struct timeline background; // radiance behind everything
+    struct timeline background; // radiance behind everything; it lights nothing
     bool has_background;
+    // Lamps' and domes' light is scattered at most so often, by media and by diffuse surfaces, and emitted light once
+    // less: [1, SCENE_ORDER_LIMIT], or SCENE_ORDERS_ALL.
+    int orders;
 };
 
 void scene_finish(struct scene *scene);

@@ -61,15 +61,35 @@ static bool read_media(const struct scene_reader *scene_reader, struct scene *sc
     return true;
 }
 
+static bool read_scattering(const struct scene_reader *scene_reader, struct scene *scene)
+{
+    static const char *const keys[] = {"orders", NULL}, *const words[] = {"all", NULL};
+    struct json_node object = json_node_child(scene_reader->object, "scattering");
+    struct json_node orders = json_node_child(&object, "orders");
+    int64_t count;
+    int word;
+
+    if (json_node_is_absent(&object)) return true;
+    if (!json_check_object(&object, scene_reader->error) || !json_check_keys(&object, keys, scene_reader->error))
+        return false;
+    if (json_node_type(&orders) == JSON_STRING) {
+        scene->orders = SCENE_ORDERS_ALL;
+        return json_read_enum(&orders, words, &word, scene_reader->error);
+    }
+    if (!json_read_integer(&orders, 1, SCENE_ORDER_LIMIT, &count, scene_reader->error)) return false;
+    scene->orders = (int)count;
+    return true;
+}
+
 static bool read_contents(const struct scene_reader *job, struct scene *scene)
 {
-    static const char *const keys[] = {"media", "objects", NULL};
+    static const char *const keys[] = {"media", "objects", "scattering", NULL};
     struct json_node object = json_node_child(job->object, "scene");
     struct scene_reader reader = {&object, job->span, job->error};
 
     if (json_node_is_absent(&object)) return true;
     return json_check_object(&object, job->error) && json_check_keys(&object, keys, job->error) &&
-           read_media(&reader, scene) && objects_from_json(scene, &reader);
+           read_scattering(&reader, scene) && read_media(&reader, scene) && objects_from_json(scene, &reader);
 }
 
 // Read first: the shutter extends the times at which every other value is checked.
@@ -86,7 +106,7 @@ bool scene_from_json(struct scene *scene, const struct json_node *job, const str
 {
     struct scene_reader reader = {job, times->frames, error};
 
-    *scene = (struct scene){0};
+    *scene = (struct scene){.orders = 1};
     if (!read_shutter(&reader, &scene->camera)) return false;
     reader.span.last += scene->camera.shutter * times->frame_s;
     scene->has_background = scene_reader_has_key(&reader, "background");

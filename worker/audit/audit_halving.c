@@ -19,6 +19,7 @@ static double left_over_change(enum job_method method)
         return 1.0;
     case JOB_METHOD_JITTERED:
     case JOB_METHOD_TRACKING:
+    case JOB_METHOD_PATHS:
         return 0.0; // noise: the difference of two pictures is larger than the error of either
     case JOB_METHOD_MIDPOINT:
     case JOB_METHOD_EQUIANGULAR:

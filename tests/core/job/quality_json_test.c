@@ -176,7 +176,7 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality", "\"daft\"", "quality: expected one of \"draft\", got \"daft\", did you mean \"draft\"?"},
         {"quality", "{\"method\":\"draft\"}",
          "quality.method: expected one of \"riemann\",\"midpoint\",\"equiangular\",\"jittered\",\"adaptive\",\"gauss\","
-         "\"cached\",\"preintegrated\",\"tracking\",\"auto\", got \"draft\""},
+         "\"cached\",\"preintegrated\",\"tracking\",\"paths\",\"auto\", got \"draft\""},
         {"quality.roulette.below", "0", "quality.roulette.below: expected a number in (0, 1], got 0"},
         {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
         {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
@@ -193,7 +193,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
         {"quality.points", "3",
          "quality: unknown key \"points\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
+         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "min_throughput, max_cut"},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
         {"quality.light_step_voxels", "1",
          "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
@@ -214,10 +215,12 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
         {"quality.tolerance", "0.1",
          "quality: unknown key \"tolerance\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
+         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "min_throughput, max_cut"},
         {"quality.on_miss", "\"publish\"",
          "quality: unknown key \"on_miss\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
+         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "min_throughput, max_cut"},
         {"quality", "{\"on_miss\":\"keep\"}", "quality.on_miss: expected one of \"fail\",\"publish\", got \"keep\""},
         {"quality", "{\"tolerance\":5}",
          "quality.tolerance: expected a number from 0.0001 to 0.5, got 5, did you mean 0.05 (5 %)?"},
