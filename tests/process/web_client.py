@@ -26,9 +26,10 @@ class Answer:
 class Client:
     """One connection."""
 
-    def __init__(self, port, host="127.0.0.1"):
+    def __init__(self, port, host="127.0.0.1", source=None):
+        """`source`: the address that it comes from."""
         self.port = port
-        self.socket = socket.create_connection((host, port), timeout=PATIENCE_S)
+        self.socket = socket.create_connection((host, port), PATIENCE_S, source and (source, 0))
         self.buffer = b""
 
     def __enter__(self):

@@ -3,7 +3,7 @@
 import sys
 import time
 
-from web_client import Client, WebSocket, ask, bearer, call
+from web_client import PATIENCE_S, Client, WebSocket, ask, bearer, call
 
 port = int(sys.argv[1])
 part = sys.argv[2]
@@ -206,20 +206,72 @@ def slow(token):
         client.socket.close()
 
 
+def is_open(client, patience=0.2):
+    """Whether the server has not closed it; what it sent is in the buffer."""
+    client.socket.settimeout(patience)
+    try:
+        return client.receive()
+    except TimeoutError:
+        return True
+
+
+def count_closed(clients, at_least):
+    """How many are closed; waits for so many."""
+    closed = set()
+    began = time.monotonic()
+    while len(closed) < at_least and time.monotonic() - began < PATIENCE_S:
+        for number, client in enumerate(clients):
+            if number not in closed and not is_open(client, 0.05):
+                closed.add(number)
+    return closed
+
+
 def many(token):
-    """More connections from one address than it may have."""
-    clients = [Client(port) for _ in range(60)]
-    closed = 0
-    for client in clients:
-        client.socket.settimeout(1)
+    """More connections from one machine than it may have: whoever asks is served, those who say nothing make room."""
+    body = BODY.encode()
+    head = f"POST /rpc HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer %s\r\nContent-Length: {len(body)}\r\n\r\n"
+    assert "result" in call(port, token, "job.list")  # from here on it is known
+    page = WebSocket(port, bearer(token))
+    assert "result" in page.call(1, "job.list")
+    known = Client(port)
+    known.send((head % token).encode() + body[:5])
+    # Also from other addresses of this machine: 127.0.0.0/8 is one place.
+    silent = [Client(port, source=f"127.0.0.{2 + number % 50}") for number in range(60)]
+    assert ask(port, "GET", "/healthz").status == 200
+    closed = count_closed(silent, 20)
+    assert max(closed) < 30, ("the oldest go first", closed)
+    # Who has begun to send something is no better off, unless the farm knows them.
+    beginning = [Client(port) for _ in range(60)]
+    for number, client in enumerate(beginning):
         try:
-            closed += not client.receive()
-        except TimeoutError:
-            pass
-    assert closed >= 20, closed
-    for client in clients:
+            client.send(b"GET /healthz HTTP/1.1\r\nHost: loc" if number % 2 else (head % f"wrong{number}").encode() + b"x")
+        except OSError:
+            pass  # closed
+        assert "result" in call(port, token, "job.list"), number
+    assert len(count_closed(beginning, 20)) >= 20
+    assert "result" in page.call(2, "job.list"), "a WebSocket makes no room"
+    known.send(body[5:])
+    assert known.answer().status == 200, "nor does a request whose user is known"
+    for client in [*silent, *beginning, known]:
         client.socket.close()
-    while True:  # places come back
+    page.close()
+
+
+def full(token):
+    """All places are taken by those that may not be closed: the newest is refused, and places come back."""
+    pages = []
+    while True:
+        try:
+            page = WebSocket(port, bearer(token))
+            page.call(1, "job.list")
+            pages.append(page)
+        except (EOFError, OSError):
+            break
+    assert len(pages) == 40, len(pages)
+    for page in pages:
+        assert "result" in page.call(2, "job.list")
+        page.close()
+    while True:
         try:
             assert "result" in call(port, token, "job.list")
             return

@@ -33,6 +33,7 @@ web_python web_walls.py walls "$secret" "$(token read ',"once":true')"
 web_python web_walls.py streams "$secret"
 web_python web_walls.py slow "$secret"
 web_python web_walls.py many "$secret"
+web_python web_walls.py full "$secret"
 kill -0 "$web_pid" || fail "march-web has ended"
 stop_web
 ! grep -q 'libwebsockets: .*assert' "$scratch/web.log" || fail "libwebsockets has failed"

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/http/http_peer.h"
+
 #include <libwebsockets.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+struct http_known;
 struct http_route;
 struct http_server;
 struct http_socket;
@@ -17,16 +20,20 @@ enum {
     HTTP_HEAD_TIME_MS = 30000,    // for a request's line and headers, after the connection or the last answer
     HTTP_BODY_TIME_MS = 60000,    // for a request's body
     HTTP_ANSWER_TIME_MS = 600000, // for the daemon's answer
-    HTTP_WRITE_TIME_MS = 30000    // for each part of an answer to leave
+    HTTP_WRITE_TIME_MS = 30000,   // for each part of an answer to leave
+    HTTP_SPARE_CONNECTIONS = 256  // above the limit, for those that are being killed
 };
 
 struct http_connection {
-    struct http_server *server;              // borrowed; outlives us
-    struct lws *wsi;                         // borrowed; its user's pointer is this
-    struct http_request *request;            // owned; NULL: none is worked on
-    struct http_socket *socket;              // owned; NULL: no WebSocket
-    uint64_t deadline_ms;                    // of the loop's clock; 0: none
-    char address[64];                        // of the peer
+    struct http_server *server;   // borrowed; outlives us
+    struct lws *wsi;              // borrowed; its user's pointer is this
+    struct http_request *request; // owned; NULL: none is worked on
+    struct http_socket *socket;   // owned; NULL: no WebSocket
+    uint64_t deadline_ms;         // of the loop's clock; 0: none
+    uint64_t since_ms;            // of the loop's clock: its request began, or its last one ended
+    struct http_peer peer;
+    bool is_known;                           // the farm has taken the token of its request or WebSocket
+    bool is_leaving;                         // it is being killed
     struct http_connection *previous, *next; // on the server's list
 };
 
@@ -56,6 +63,9 @@ struct http_request {
 // The time from now until which the connection waits; 0: without an end.
 void http_connection_wait(struct http_connection *connection, uint64_t time_ms);
 void http_connection_kill(struct http_connection *connection); // soon, from the loop
+// Whose it is from here on; NULL: the farm does not know.
+void http_connection_assign(struct http_connection *connection, const char *user);
+struct http_known *http_connection_known(const struct http_connection *connection); // the server's
 
 struct http_request *http_request_create(struct http_connection *connection);
 void http_request_destroy(struct http_request *request); // accepts NULL; calls on_gone unless it is answered

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "web/http/http_peer.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -131,22 +132,12 @@ int http_listener_port(const struct http_listener *listener)
     return listener->port;
 }
 
-static void name_peer(const struct sockaddr_storage *storage, char text[static INET6_ADDRSTRLEN])
-{
-    const void *address = storage->ss_family == AF_INET6
-                              ? (const void *)&((const struct sockaddr_in6 *)storage)->sin6_addr
-                              : &((const struct sockaddr_in *)storage)->sin_addr;
-
-    text[0] = '\0';
-    inet_ntop(storage->ss_family, address, text, INET6_ADDRSTRLEN);
-}
-
 // False: there are none, or none can be taken now.
 static bool take_connection(struct http_listener *listener)
 {
     struct sockaddr_storage storage = {0};
     socklen_t size = sizeof storage;
-    char peer[INET6_ADDRSTRLEN];
+    struct http_peer peer;
     int yes = 1, fd = accept4(listener->fd, (struct sockaddr *)&storage, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
 
     if (fd < 0 && error_is_shortage(errno)) {
@@ -156,8 +147,8 @@ static bool take_connection(struct http_listener *listener)
     }
     if (fd < 0) return errno == ECONNABORTED || errno == EINTR;
     setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    name_peer(&storage, peer);
-    listener->params.on_connection(listener->params.user, fd, peer);
+    peer = http_peer_name((const struct sockaddr *)&storage);
+    listener->params.on_connection(listener->params.user, fd, &peer);
     return true;
 }
 

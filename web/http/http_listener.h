@@ -8,12 +8,13 @@
 
 struct error;
 struct http_listener;
+struct http_peer;
 
 struct http_listener_params {
     uv_loop_t *loop;     // borrowed; outlives us
     const char *address; // "127.0.0.1:8470" or "[::1]:8470"; port 0: any that is free
-    // Called with a connection, which it owns from then on, and the peer's address without its port.
-    void (*on_connection)(void *user, int fd, const char *peer);
+    // Called with a connection, which it owns from then on.
+    void (*on_connection)(void *user, int fd, const struct http_peer *peer);
     void *user;
 };
 

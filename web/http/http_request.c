@@ -5,6 +5,7 @@
 #include "core/json/json_write.h"
 #include "web/http/http_connection.h"
 #include "web/http/http_credentials.h"
+#include "web/http/http_known.h"
 #include "web/http/http_walls.h"
 
 #include <stdarg.h>
@@ -95,7 +96,7 @@ const char *http_request_body(const struct http_request *request, size_t *size_b
 
 const char *http_request_address(const struct http_request *request)
 {
-    return request->connection->address;
+    return request->connection->peer.address;
 }
 
 bool http_request_is_head(const struct http_request *request)
@@ -111,6 +112,18 @@ bool http_request_is_secure(const struct http_request *request)
 bool http_request_is_from_elsewhere(const struct http_request *request)
 {
     return !http_fetch_is_ours(request->fetch_site);
+}
+
+void http_request_set_user(struct http_request *request, const char *user)
+{
+    struct http_known *known = http_connection_known(request->connection);
+
+    if (!request->token) return;
+    if (user)
+        http_known_add(known, request->token, user);
+    else
+        http_known_drop(known, request->token);
+    http_connection_assign(request->connection, user);
 }
 
 void http_request_on_gone(struct http_request *request, void (*on_gone)(void *user), void *user)

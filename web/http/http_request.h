@@ -49,6 +49,10 @@ bool http_request_is_secure(const struct http_request *request);      // the bro
 // True where the browser says that another site made it ask.
 bool http_request_is_from_elsewhere(const struct http_request *request);
 
+// What the farm has said to the request's token: whose it is, or NULL: it is not valid. It decides whose share of
+// march-web the request uses.
+void http_request_set_user(struct http_request *request, const char *user);
+
 // `on_gone` is called when the client goes away before the answer, and the request is freed afterwards.
 void http_request_on_gone(struct http_request *request, void (*on_gone)(void *user), void *user);
 // Both end the request: it is not touched afterwards. The second answers {"error": text}.

@@ -5,8 +5,10 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "web/http/http_connection.h"
+#include "web/http/http_connections.h"
 #include "web/http/http_credentials.h"
 #include "web/http/http_intake.h"
+#include "web/http/http_known.h"
 #include "web/http/http_listener.h"
 #include "web/http/http_socket_events.h"
 
@@ -19,11 +21,11 @@ enum { SWEEP_MS = 500, SOCKET_PIECE = 64 * 1024, PING_S = 30, SILENCE_S = 90, LI
 
 struct http_server {
     struct http_server_params params;
-    struct http_listener *listener; // owned
-    struct lws_context *context;    // owned
-    struct lws_vhost *vhost;        // the context's
-    struct http_connection *first;  // owned
-    size_t connection_count;
+    struct http_listener *listener;      // owned
+    struct lws_context *context;         // owned
+    struct lws_vhost *vhost;             // the context's
+    struct http_connections connections; // owned
+    struct http_known *known;            // owned
     uv_timer_t sweep;
     void *loops[1];
     bool is_closing;
@@ -48,42 +50,32 @@ void http_connection_wait(struct http_connection *connection, uint64_t time_ms)
 
 void http_connection_kill(struct http_connection *connection)
 {
+    connection->is_leaving = true;
     lws_set_timeout(connection->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+    lws_cancel_service(connection->server->context); // it looks at its times after that, else when it has other work
 }
 
-static size_t count_address(const struct http_server *server, const char *address)
-{
-    size_t count = 0;
-
-    for (const struct http_connection *at = server->first; at; at = at->next)
-        count += strcmp(at->address, address) == 0;
-    return count;
-}
-
-static void on_connection(void *user, int fd, const char *peer)
+static void on_connection(void *user, int fd, const struct http_peer *peer)
 {
     struct http_server *server = user;
     struct http_connection *connection;
 
-    if (server->connection_count >= server->params.connection_limit ||
-        count_address(server, peer) >= server->params.address_limit) {
-        log_debug("%s: a connection over the limit is closed", peer);
+    if (!http_connections_make_room(&server->connections, peer->place)) {
+        log_debug("%s: a connection over the limit is closed", peer->address);
         close(fd);
         return;
     }
     connection = xcalloc(1, sizeof *connection);
     connection->server = server;
-    snprintf(connection->address, sizeof connection->address, "%s", peer);
+    connection->peer = *peer;
+    connection->since_ms = uv_now(server->params.loop);
     connection->wsi = lws_adopt_socket_vhost(server->vhost, fd); // closes it where that fails
     if (!connection->wsi) {
         free(connection);
         return;
     }
     lws_set_opaque_user_data(connection->wsi, connection);
-    connection->next = server->first;
-    if (server->first) server->first->previous = connection;
-    server->first = connection;
-    server->connection_count++;
+    http_connections_add(&server->connections, connection);
     http_connection_wait(connection, HTTP_HEAD_TIME_MS);
 }
 
@@ -93,14 +85,19 @@ static void forget_connection(struct http_connection *connection)
 
     http_request_destroy(connection->request);
     http_socket_destroy(connection->socket);
-    if (connection->previous)
-        connection->previous->next = connection->next;
-    else
-        server->first = connection->next;
-    if (connection->next) connection->next->previous = connection->previous;
-    server->connection_count--;
+    http_connections_remove(&server->connections, connection);
     free(connection);
     tell_if_closed(server);
+}
+
+struct http_known *http_connection_known(const struct http_connection *connection)
+{
+    return connection->server->known;
+}
+
+void http_connection_assign(struct http_connection *connection, const char *user)
+{
+    connection->is_known = user != NULL;
 }
 
 static const struct http_route *find_route(const struct http_server *server, const char *method, const char *path,
@@ -139,10 +136,12 @@ static int on_head(struct http_connection *connection)
     bool is_path;
 
     // A client that does not wait. libwebsockets has swallowed what it sent, and shows the old head again.
-    if (connection->request) return -1;
+    if (connection->request || connection->is_leaving) return -1;
     lws_set_timeout(connection->wsi, NO_PENDING_TIMEOUT, 0);
     request = connection->request = http_request_create(connection);
+    connection->since_ms = uv_now(server->params.loop);
     refusal = http_intake_read(request, connection->wsi, server->params.origins);
+    http_connection_assign(connection, http_known_user(server->known, request->token));
     if (!refusal.status) request->route = find_route(server, request->method, request->path, &is_path);
     if (refusal.status)
         refuse(request, refusal.status, refusal.text);
@@ -176,6 +175,7 @@ static int on_body_end(struct http_connection *connection)
 {
     struct http_request *request = connection->request;
 
+    if (connection->is_leaving) return -1;
     if (!request || request->is_answered || request->has_all) return 0;
     lws_set_timeout(connection->wsi, NO_PENDING_TIMEOUT, 0);
     run_route(request);
@@ -212,6 +212,7 @@ static int on_writable(struct http_connection *connection)
     http_request_destroy(request);
     connection->request = NULL;
     if (wants_close || lws_http_transaction_completed(connection->wsi)) return -1;
+    connection->since_ms = uv_now(connection->server->params.loop);
     http_connection_wait(connection, HTTP_HEAD_TIME_MS);
     return 0;
 }
@@ -222,11 +223,12 @@ static int on_upgrade(struct http_connection *connection, const char *protocol)
     const struct http_server *server = connection->server;
     struct http_refusal refusal;
 
-    if (connection->request || strcasecmp(protocol, "websocket") != 0) return -1;
+    if (connection->request || connection->is_leaving || strcasecmp(protocol, "websocket") != 0) return -1;
     connection->request = http_request_create(connection);
     refusal = http_intake_read_upgrade(connection->request, connection->wsi, server->params.origins);
+    http_connection_assign(connection, http_known_user(server->known, connection->request->token));
     if (!refusal.status) return 0;
-    log_debug("%s: no WebSocket: %s", connection->address, refusal.text);
+    log_debug("%s: no WebSocket: %s", connection->peer.address, refusal.text);
     lws_return_http_status(connection->wsi, (unsigned)refusal.status, refusal.text);
     return -1;
 }
@@ -297,7 +299,7 @@ static void on_sweep(uv_timer_t *timer)
     struct http_server *server = timer->data;
     uint64_t now = uv_now(server->params.loop);
 
-    for (struct http_connection *at = server->first; at; at = at->next) {
+    for (struct http_connection *at = server->connections.first; at; at = at->next) {
         if ((!at->deadline_ms || at->deadline_ms > now) && !is_deserted(at)) continue;
         at->deadline_ms = 0;
         http_connection_kill(at);
@@ -328,7 +330,7 @@ static bool open_context(struct http_server *server, struct error *error)
         .count_threads = 1,
         .max_http_header_data = HTTP_HEAD_LIMIT,
         .max_http_header_pool = (unsigned short)server->params.connection_limit,
-        .fd_limit_per_thread = (unsigned)server->params.connection_limit + 64,
+        .fd_limit_per_thread = (unsigned)server->params.connection_limit + HTTP_SPARE_CONNECTIONS,
         .pt_serv_buf_size = SOCKET_PIECE,
         .timeout_secs = HTTP_BODY_TIME_MS / 1000,
         .keepalive_timeout = HTTP_HEAD_TIME_MS / 1000,
@@ -355,9 +357,13 @@ struct http_server *http_server_open(const struct http_server_params *params, st
         .loop = params->loop, .address = params->address, .on_connection = on_connection, .user = server};
 
     server->params = *params;
+    server->known = http_known_create();
+    server->connections.limit = params->connection_limit;
+    server->connections.place_limit = params->address_limit;
     server->listener = http_listener_open(&listener, error);
     if (!server->listener || !open_context(server, error)) {
         http_listener_close(server->listener);
+        http_known_destroy(server->known);
         free(server);
         return NULL;
     }
@@ -374,7 +380,7 @@ int http_server_port(const struct http_server *server)
 
 static void tell_if_closed(struct http_server *server)
 {
-    if (!server->is_closing || server->first || uv_is_closing((uv_handle_t *)&server->sweep)) return;
+    if (!server->is_closing || server->connections.first || uv_is_closing((uv_handle_t *)&server->sweep)) return;
     uv_close((uv_handle_t *)&server->sweep, NULL);
     server->on_closed(server->user);
 }
@@ -393,5 +399,6 @@ void http_server_destroy(struct http_server *server)
 {
     if (!server) return;
     lws_context_destroy(server->context);
+    http_known_destroy(server->known);
     free(server);
 }

@@ -21,7 +21,7 @@ struct http_server_params {
     const struct http_socket_handlers *sockets;
     void *sockets_user;
     size_t connection_limit; // of all
-    size_t address_limit;    // of one address
+    size_t address_limit;    // of one place (see http_peer.h)
 };
 
 struct http_server *http_server_open(const struct http_server_params *params, struct error *error);

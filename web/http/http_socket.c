@@ -62,6 +62,11 @@ void http_socket_destroy(struct http_socket *socket)
     free(socket);
 }
 
+void http_socket_set_user(struct http_socket *socket, const char *user)
+{
+    http_connection_assign(socket->connection, user);
+}
+
 void http_socket_send(struct http_socket *socket, const char *text, size_t length)
 {
     struct outgoing *outgoing;

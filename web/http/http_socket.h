@@ -27,6 +27,8 @@ struct http_socket_handlers {
 
 enum { HTTP_SOCKET_WAITING_LIMIT = 1024 * 1024 }; // bytes; above it, on_drained follows
 
+// Whose it is, once the farm has taken its token: whose share of march-web it uses.
+void http_socket_set_user(struct http_socket *socket, const char *user);
 // The text is copied.
 void http_socket_send(struct http_socket *socket, const char *text, size_t length);
 bool http_socket_is_full(const struct http_socket *socket); // on_drained follows

@@ -39,8 +39,8 @@ static void on_ready(void *user, const struct farm_identity *identity)
 {
     struct bridge *bridge = user;
 
-    (void)identity;
     bridge->is_ready = true;
+    http_socket_set_user(bridge->socket, identity->user);
     http_socket_pause(bridge->socket, false);
 }
 

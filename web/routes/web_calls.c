@@ -5,11 +5,13 @@
 #include "core/base/log.h"
 #include "web/http/http_request.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 
 struct asking {
     struct http_request *request;
     struct farm_call *call;
+    bool is_own; // the token is the request's
     web_on_answer *on_answer;
     void *user;
 };
@@ -28,6 +30,8 @@ static void on_answered(void *user, const struct farm_answer *answer)
     struct http_request *request = asking->request;
 
     http_request_on_gone(request, NULL, NULL);
+    if (asking->is_own && answer->end == FARM_OPEN) http_request_set_user(request, answer->identity->user);
+    if (asking->is_own && answer->end == FARM_REFUSED) http_request_set_user(request, NULL);
     if (answer->end == FARM_OPEN) {
         asking->on_answer(request, answer, asking->user);
     } else if (answer->end == FARM_REFUSED) {
@@ -45,7 +49,10 @@ static void begin(struct farm_calls *calls, struct http_request *request, const 
 {
     struct asking *asking = xcalloc(1, sizeof *asking);
 
-    *asking = (struct asking){.request = request, .on_answer = on_answer, .user = user};
+    *asking = (struct asking){.request = request,
+                              .is_own = token && token == http_request_token(request),
+                              .on_answer = on_answer,
+                              .user = user};
     asking->call = farm_calls_begin(calls, token, text, length, on_answered, asking);
     http_request_on_gone(request, on_gone, asking);
 }

@@ -21,7 +21,7 @@ const char web_help[] =
     "  --page-dir DIR          folder of the page's files\n"
     "  --document-dir DIR      folder of openrpc.json and schema.json\n"
     "  --chart-file PATH       the charting library Chart.js (/usr/share/javascript/chart.js/chart.min.js)\n"
-    "  --connections N         connections that are open at once (1024)\n"
+    "  --connections N         connections that are open at once; the oldest silent one makes room (1024)\n"
     "  --address-connections N  of these from one address (512)\n"
     "  --worker-program PATH   makes pictures of frames (march-worker beside march-web)\n"
     "  --cache-dir DIR         folder of its own, where pictures are kept (system: /var/cache/marchd-web, else\n"
