@@ -5,6 +5,7 @@
 #include "reference/in_scattering.h"
 #include "reference/profile.h"
 #include "reference/shadow_edges.h"
+#include "reference/spot_edges.h"
 #include "reference/transmittance.h"
 
 #include <math.h>
@@ -61,8 +62,8 @@ static bool is_scattering(const struct still_media *media)
     return false;
 }
 
-// Finds spans whose ends lie where a medium's density, its glow, a light's distance or an object's shadow is not
-// smooth.
+// Finds spans whose ends lie where a medium's density, its glow, a light's distance, a spot's cones or an object's
+// shadow are not smooth.
 static void find_spans(const struct still *still, const struct integrate_stretch *stretch, double far,
                        const struct integrate_accuracy *accuracy, struct span_list *spans)
 {
@@ -81,6 +82,7 @@ static void find_spans(const struct still *still, const struct integrate_stretch
     }
     for (size_t i = 0; i < still->light_count; i++) {
         if (light_rules_of(still->lights[i].kind)->has_position) cut_at_light(spans, ray, still->lights[i].position);
+        spot_edges_split(&still->lights[i], ray, spans);
         shadow_edges_split(&still->objects, &still->lights[i], ray, spans);
     }
 }

@@ -252,14 +252,62 @@ static void stop_medium(struct still *still, size_t index, const struct scene_me
     }
 }
 
-static void stop_light(struct light *light, const struct scene_light *source, double time)
+static void stop_sphere_light(struct sphere_light *lamp, const struct scene_light *source, double time)
+{
+    lamp->center = vector_at(&source->position, time);
+    lamp->radius = number_at(&source->radius, time);
+    color_at(&source->intensity, time, lamp->radiance);
+    for (int c = 0; c < 3; c++)
+        lamp->radiance[c] /= M_PI * lamp->radius * lamp->radius;
+}
+
+static void stop_dome(struct still *still, const struct scene_light *source, double time,
+                      const struct still_texture *image)
+{
+    still->dome = (struct dome){.kind = source->dome.kind,
+                                .axis = vec3_normalize(vector_at(&source->dome.axis, time)),
+                                .angle = number_at(&source->dome.angle, time) * M_PI / 180.0,
+                                .rgb = image->rgb,
+                                .width = image->rgb ? image->width : 0,
+                                .height = image->rgb ? image->height : 0,
+                                .is_visible = source->dome.is_visible};
+    color_at(&source->intensity, time, still->dome.along);
+    color_at(&source->dome.opposite, time, still->dome.against);
+    still->has_dome = true;
+    if (source->dome.kind == SCENE_DOME_FILE && !image->rgb) still->is_complete = false;
+}
+
+static void stop_small_light(struct light *light, const struct scene_light *source, double time)
 {
     light->kind = source->kind;
     light->falloff = source->falloff;
     color_at(&source->intensity, time, light->intensity);
     light->position = vector_at(&source->position, time);
+    light->inner = number_at(&source->inner, time) * M_PI / 180.0;
+    light->outer = number_at(&source->outer, time) * M_PI / 180.0;
     if (light_rules_of(source->kind)->has_direction)
         light->direction = vec3_normalize(vector_at(&source->direction, time));
+}
+
+static void stop_lights(struct still *still, const struct scene *scene, double time, const struct still_inputs *inputs)
+{
+    for (size_t i = 0; i < scene->light_count; i++) {
+        const struct scene_light *source = &scene->lights[i];
+
+        switch (source->kind) {
+        case SCENE_LIGHT_POINT:
+        case SCENE_LIGHT_SUN:
+        case SCENE_LIGHT_SPOT:
+            stop_small_light(&still->lights[still->light_count++], source, time);
+            break;
+        case SCENE_LIGHT_SPHERE:
+            stop_sphere_light(&still->spheres[still->sphere_count++], source, time);
+            break;
+        case SCENE_LIGHT_DOME:
+            stop_dome(still, source, time, &inputs->dome);
+            break;
+        }
+    }
 }
 
 static struct shape stop_shape(const struct scene_shape *source, double time)
@@ -343,8 +391,7 @@ void still_init_with_inputs(struct still *still, const struct job *job, double t
 {
     const struct scene *scene = &job->scene;
 
-    *still = (struct still){.light_count = scene->light_count,
-                            .max_depth = job->quality.max_depth,
+    *still = (struct still){.max_depth = job->quality.max_depth,
                             .min_throughput = job->quality.min_throughput,
                             .has_background = scene->has_background,
                             .is_complete = true};
@@ -359,8 +406,7 @@ void still_init_with_inputs(struct still *still, const struct job *job, double t
                                             .clip_near = scene->camera.clip_near,
                                             .clip_far = scene->camera.clip_far,
                                         });
-    for (size_t i = 0; i < scene->light_count; i++)
-        stop_light(&still->lights[i], &scene->lights[i], time);
+    stop_lights(still, scene, time, inputs);
     for (size_t region = 0; region <= scene->object_count; region++) {
         for (size_t i = 0; i < scene->medium_count; i++)
             if (scene->media[i].owner == region) stop_medium(still, i, &scene->media[i], time, inputs);

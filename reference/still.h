@@ -9,10 +9,12 @@
 #include "reference/density_grid.h"
 #include "reference/density_homogeneous.h"
 #include "reference/density_noise.h"
+#include "reference/dome.h"
 #include "reference/glow_blackbody.h"
 #include "reference/light.h"
 #include "reference/medium.h"
 #include "reference/objects.h"
+#include "reference/sphere_light.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,6 +46,7 @@ struct still_inputs {
     struct still_grid temperatures[SCENE_MEDIUM_LIMIT];  // of media that glow as black bodies
     struct still_function functions[SCENE_MEDIUM_LIMIT]; // twins of densities in GLSL
     struct still_texture textures[SCENE_OBJECT_LIMIT];
+    struct still_texture dome; // of a dome in a file
 };
 
 // The field of a medium, by its density's kind.
@@ -58,8 +61,12 @@ union still_field {
 // The media point into their still: a copy must not outlive it. Tests may fill it by hand.
 struct still {
     struct camera_pinhole camera;
-    struct light lights[SCENE_LIGHT_LIMIT];
+    struct light lights[SCENE_LIGHT_LIMIT]; // without size
     size_t light_count;
+    struct sphere_light spheres[SCENE_LIGHT_LIMIT];
+    size_t sphere_count;
+    struct dome dome; // has_dome
+    bool has_dome;
     struct medium media[SCENE_MEDIUM_LIMIT]; // media of one region are adjacent
     size_t medium_count;
     struct objects objects;
@@ -70,7 +77,8 @@ struct still {
     struct glow_blackbody glows[SCENE_MEDIUM_LIMIT];    // of media that glow as black bodies
     double background[3];                               // radiance
     bool has_background;
-    // False when a density has neither twin nor input and counts as 0, or a texture has no input and counts as white.
+    // False when a density has neither twin nor input and counts as 0, a texture has no input and counts as white,
+    // or a dome's file has none and is black.
     bool is_complete;
 };
 

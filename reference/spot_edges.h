@@ -1,0 +1,11 @@
+// Where a ray crosses the cones of a spot, between which its light fades.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "reference/light.h"
+#include "reference/span_list.h"
+#include "reference/vec3.h"
+
+// Splits spans where the ray crosses the inner or the outer cone, at which the light's irradiance is not smooth. Other
+// lights split nothing.
+void spot_edges_split(const struct light *light, const struct ray *ray, struct span_list *spans);
