@@ -4,18 +4,15 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/path_list.h"
-#include "core/job/input_roots.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
-#include "core/json/json_write.h"
 #include "core/scene/input_path.h"
 #include "core/wire/message.h"
+#include "web/pictures/input_version.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char output_root[] = "/"; // nothing is written there
 
@@ -42,44 +39,49 @@ static enum picture_status find_inputs(const struct explanation *explanation, st
     return status;
 }
 
-// Which version of a file is there, or that there is none.
-static void write_version(struct json_writer *writer, const char *path)
+enum picture_status explanation_key_begin(struct explanation_key *key, const struct explanation *explanation,
+                                          struct error *error)
 {
-    struct stat status;
+    enum picture_status status;
 
-    json_write_string(writer, path);
-    if (stat(path, &status) != 0) return;
-    json_write_integer(writer, (int64_t)status.st_ino);
-    json_write_integer(writer, status.st_size);
-    json_write_integer(writer, status.st_mtim.tv_sec);
-    json_write_integer(writer, status.st_mtim.tv_nsec);
+    *key = (struct explanation_key){0};
+    status = find_inputs(explanation, &key->inputs, &key->first_frame, error);
+    if (status != PICTURE_READY) return status;
+    json_write_begin_array(&key->writer);
+    json_write_string(&key->writer, "worker.explain");
+    json_write_string(&key->writer, explanation->document);
+    input_version_write(explanation->worker, "/", &key->writer);
+    return PICTURE_READY;
 }
 
-enum picture_status explanation_make_key(const struct explanation *explanation, char key[static HASH_TEXT_SIZE],
-                                         struct error *error)
+const char *explanation_key_root(const struct explanation_key *key)
 {
-    struct job_inputs inputs = {0};
-    struct json_writer writer = {0};
-    int32_t first_frame;
-    enum picture_status status = find_inputs(explanation, &inputs, &first_frame, error);
+    return key->next < key->inputs.count ? key->inputs.inputs[key->next].root : NULL;
+}
 
-    if (status != PICTURE_READY) return status;
-    json_write_begin_array(&writer);
-    json_write_string(&writer, "worker.explain");
-    json_write_string(&writer, explanation->document);
-    write_version(&writer, explanation->worker);
-    for (size_t i = 0; i < inputs.count; i++) {
-        char *path = input_path_format(inputs.inputs[i].path, first_frame);
+void explanation_key_look(struct explanation_key *key)
+{
+    const char *root = explanation_key_root(key);
 
-        json_write_string(&writer, inputs.inputs[i].root);
-        write_version(&writer, path);
+    while (explanation_key_root(key) && !strcmp(explanation_key_root(key), root)) {
+        char *path = input_path_format(key->inputs.inputs[key->next++].path, key->first_frame);
+
+        json_write_string(&key->writer, root);
+        input_version_write(path, root, &key->writer);
         free(path);
     }
-    json_write_end_array(&writer);
-    hash_bytes(writer.text, writer.length, key);
-    json_writer_finish(&writer);
-    job_inputs_finish(&inputs);
-    return PICTURE_READY;
+}
+
+void explanation_key_make(const struct explanation_key *key, char text[static HASH_TEXT_SIZE])
+{
+    hash_bytes(key->writer.text, key->writer.length, text);
+}
+
+void explanation_key_finish(struct explanation_key *key)
+{
+    json_writer_finish(&key->writer);
+    job_inputs_finish(&key->inputs);
+    *key = (struct explanation_key){0};
 }
 
 static void write_inputs(const struct job_inputs *inputs, struct json_writer *writer)

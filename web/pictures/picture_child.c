@@ -21,6 +21,7 @@
 enum {
     CHANNEL_FD = 3,
     NICENESS = 10,
+    END_MS = 1000, // for which a process that was killed is waited for
     LOOK_MS = 100, // how often it is asked whether all ends
     IO_CLASS_BEST_EFFORT = 2,
     IO_CLASS_SHIFT = 13,
@@ -83,18 +84,19 @@ struct words {
     size_t count;
 };
 
-static int end_worker(pid_t pid)
+// False: it has not ended, as a disk holds it fast, and will when the disk lets go.
+static bool end_worker(pid_t pid, int *status)
 {
-    int status = 0;
-
     (void)kill(pid, SIGKILL);
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-        ;
-    return status;
+    for (int i = 0; i < END_MS; i++) {
+        if (waitpid(pid, status, WNOHANG) != 0) return true;
+        usleep(1000);
+    }
+    return false;
 }
 
 // An end before the answer, which is the file's doing or the machine's.
-static enum picture_status explain_end(pid_t pid, struct error *error)
+static enum picture_status explain_end(struct picture_child *child, pid_t pid, struct error *error)
 {
     int status = 0;
     bool has_ended = false;
@@ -104,7 +106,7 @@ static enum picture_status explain_end(pid_t pid, struct error *error)
         has_ended = waitpid(pid, &status, WNOHANG) == pid;
         if (!has_ended) usleep(1000);
     }
-    if (!has_ended) status = end_worker(pid);
+    if (!has_ended && !end_worker(pid, &status)) child->left = pid;
     if (WIFEXITED(status) && WEXITSTATUS(status) == WORKER_STATUS_MEMORY)
         error_set(error, "it takes more memory than a worker may have here");
     else if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
@@ -211,9 +213,9 @@ enum picture_status picture_child_ask(struct picture_child *child, const struct 
     child->ends_ms = now_ms() + params->limit_ms;
     if (send_all(child, params, fds[0], &(struct words){words, count})) status = receive(child, params, fds[0], &found);
     if (status == PICTURE_FAULT && !found.message[0])
-        explain_end(pid, &found);
-    else
-        end_worker(pid);
+        explain_end(child, pid, &found);
+    else if (!end_worker(pid, &(int){0}))
+        child->left = pid;
     close(fds[0]);
     if (found.message[0]) error_set(error, "%s", found.message);
     return status;

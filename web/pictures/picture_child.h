@@ -8,6 +8,7 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 struct error;
 
@@ -24,11 +25,13 @@ struct picture_child {
     struct message_stream stream; // owned
     const char *line;             // of the answer, in the stream
     size_t length;
+    pid_t left;      // it was killed and has not ended yet: a disk holds it; 0: it has ended
     int64_t ends_ms; // it is not waited for longer, on the monotonic clock
 };
 
 // Starts the worker without GL, fenced and of low priority, sends it these messages, and waits for the answer to its
-// request. The process has ended when it returns. PICTURE_READY: there is an answer, an error perhaps.
+// request. The process has ended when it returns, or was killed and is `left`: it writes no more. PICTURE_READY: there
+// is an answer, an error perhaps.
 enum picture_status picture_child_ask(struct picture_child *child, const struct picture_child_params *params,
                                       const char *words, size_t count, struct error *error);
 const char *picture_child_answer(const struct picture_child *child, size_t *length);

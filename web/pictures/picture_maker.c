@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 const char picture_maker_file[] = "made";
@@ -220,7 +221,19 @@ static enum picture_status take_explanation(const struct picture_maker *maker, c
     return status == PICTURE_WRONG ? PICTURE_UNREADABLE : status; // the job is, and not what was asked
 }
 
-static enum picture_status ask_child(const struct picture_maker *maker, struct picture_child *child,
+// A place among those that have not ended; NULL: there are too many.
+static pid_t *find_place(struct picture_maker *maker)
+{
+    pid_t *place = NULL;
+
+    for (size_t i = 0; i < PICTURE_LEFT_LIMIT; i++) {
+        if (maker->left[i] && waitpid(maker->left[i], NULL, WNOHANG) != 0) maker->left[i] = 0;
+        if (!maker->left[i]) place = &maker->left[i];
+    }
+    return place;
+}
+
+static enum picture_status ask_child(struct picture_maker *maker, struct picture_child *child,
                                      const struct json_writer *words, struct error *error)
 {
     const struct picture_child_params params = {.program = maker->program,
@@ -229,10 +242,19 @@ static enum picture_status ask_child(const struct picture_maker *maker, struct p
                                                 .limit_ms = maker->limit_ms,
                                                 .is_stopped = maker->is_stopped};
 
-    return picture_child_ask(child, &params, words->text, words->length, error);
+    pid_t *left = find_place(maker);
+    enum picture_status status;
+
+    if (!left) {
+        error_set(error, "a disk holds workers that were killed: ask again later");
+        return PICTURE_BUSY;
+    }
+    status = picture_child_ask(child, &params, words->text, words->length, error);
+    *left = child->left;
+    return status;
 }
 
-enum picture_status picture_maker_run(const struct picture_maker *maker, const struct picture_place *place,
+enum picture_status picture_maker_run(struct picture_maker *maker, const struct picture_place *place,
                                       const struct picture_query *query, char facts[static PICTURE_MADE_FACTS + 1],
                                       struct error *error)
 {
@@ -254,7 +276,7 @@ enum picture_status picture_maker_run(const struct picture_maker *maker, const s
     return status;
 }
 
-enum picture_status picture_maker_explain(const struct picture_maker *maker, const struct explanation *explanation,
+enum picture_status picture_maker_explain(struct picture_maker *maker, const struct explanation *explanation,
                                           struct error *error)
 {
     enum picture_status status = PICTURE_UNREADABLE;

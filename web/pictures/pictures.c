@@ -4,11 +4,12 @@
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/path_list.h"
 #include "web/pictures/explanation.h"
+#include "web/pictures/picture_ask.h"
 #include "web/pictures/picture_faults.h"
+#include "web/pictures/picture_lanes.h"
+#include "web/pictures/picture_look.h"
 #include "web/pictures/picture_maker.h"
-#include "web/pictures/picture_place.h"
 #include "web/pictures/picture_query.h"
 #include "web/pictures/picture_queue.h"
 
@@ -17,44 +18,29 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
-// What a question goes through: `asked` until the finder took it, then in the queue's hands, then `answered`.
-struct picture_ask {
-    struct picture_waiter waiter;
-    struct picture_query query;
-    char *subject, *known; // owned
-    struct path_list roots;
-    void *user;
-    struct picture_place place;
-    struct picture_file file;
-    enum picture_status status;
-    struct error error;
-    bool is_looked_up, is_answered, is_dropped;
-    struct picture_ask *next; // in `asked` or `answered`
-};
-
-struct ask_list {
-    struct picture_ask *first, **end;
-};
+enum { LOOK_LIMIT_MS = 10000 };
 
 struct pictures {
     void (*on_answers)(void *user);
     void *user;
     char *worker; // owned
+    int look_ms;
     struct picture_cache cache;
+    struct picture_lanes *lanes; // owned
     struct picture_maker makers[PICTURE_MAKER_LIMIT];
     char *folders[PICTURE_MAKER_LIMIT]; // owned
     size_t maker_count, started;
-    pthread_t finder, threads[PICTURE_MAKER_LIMIT];
+    pthread_t threads[PICTURE_MAKER_LIMIT];
     atomic_bool is_stopped;
 
-    pthread_mutex_t lock; // guards what follows
-    pthread_cond_t asked_changed, queue_changed;
-    struct ask_list asked, answered;
+    pthread_mutex_t lock; // guards what follows; lanes are entered without it
+    pthread_cond_t queue_changed, checked;
+    struct picture_ask_list looking, answered;
     size_t ask_count; // not answered
     struct picture_queue queue;
     struct picture_faults faults;
@@ -62,114 +48,33 @@ struct pictures {
 
 struct maker_thread {
     struct pictures *pictures;
-    const struct picture_maker *maker;
+    struct picture_maker *maker;
+};
+
+// What a maker waits for: which version is there after its picture was made.
+struct picture_check {
+    char key[HASH_TEXT_SIZE];
+    bool is_done;
 };
 
 static const struct error too_many = {.message = "too many pictures are asked for: ask again in a moment"};
+
+static const struct error no_answer = {.message = "the disk of its files does not answer"};
 
 static int64_t now_ms(void)
 {
     return (int64_t)(1000.0 * clock_now_s());
 }
 
-static void list_init(struct ask_list *list)
-{
-    list->first = NULL;
-    list->end = &list->first;
-}
-
-static void list_add(struct ask_list *list, struct picture_ask *ask)
-{
-    ask->next = NULL;
-    *list->end = ask;
-    list->end = &ask->next;
-}
-
-static struct picture_ask *list_take(struct ask_list *list)
-{
-    struct picture_ask *ask = list->first;
-
-    if (!ask) return NULL;
-    list->first = ask->next;
-    if (!list->first) list->end = &list->first;
-    return ask;
-}
-
-static void list_remove(struct ask_list *list, struct picture_ask *ask)
-{
-    struct picture_ask **link = &list->first;
-
-    while (*link && *link != ask)
-        link = &(*link)->next;
-    if (!*link) return;
-    *link = ask->next;
-    if (!*link) list->end = link;
-}
-
-void picture_ask_free(struct picture_ask *ask)
-{
-    free(ask->subject);
-    free(ask->known);
-    path_list_finish(&ask->roots);
-    picture_place_finish(&ask->place);
-    picture_file_close(&ask->file);
-    free(ask);
-}
-
-static struct picture_ask *ask_of(struct picture_waiter *waiter)
-{
-    return (struct picture_ask *)((char *)waiter - offsetof(struct picture_ask, waiter));
-}
-
 // With the lock. The caller wakes the loop afterwards.
-static void give(struct pictures *pictures, struct picture_ask *ask, enum picture_status status,
-                 const struct error *error)
+static void answer(struct pictures *pictures, struct picture_ask *ask, enum picture_status status,
+                   const struct error *error)
 {
     pictures->ask_count--;
     ask->status = status;
     ask->is_answered = true;
     if (error) ask->error = *error;
-    list_add(&pictures->answered, ask);
-}
-
-// Likewise, of a question that may have been dropped meanwhile.
-static void answer(struct pictures *pictures, struct picture_ask *ask, enum picture_status status,
-                   const struct error *error)
-{
-    if (!ask->is_dropped) {
-        give(pictures, ask, status, error);
-        return;
-    }
-    pictures->ask_count--;
-    picture_ask_free(ask);
-}
-
-static struct explanation explanation_of(const struct pictures *pictures, const struct picture_ask *ask)
-{
-    return (struct explanation){.document = ask->subject, .worker = pictures->worker, .roots = &ask->roots};
-}
-
-static enum picture_status find_version(const struct pictures *pictures, const struct picture_ask *ask,
-                                        struct picture_place *place, char key[static HASH_TEXT_SIZE],
-                                        struct error *error)
-{
-    struct explanation explanation = explanation_of(pictures, ask);
-    enum picture_status status;
-
-    if (ask->query.form == PICTURE_FORM_EXPLANATION) return explanation_make_key(&explanation, key, error);
-    status = picture_place_find(place, &ask->roots, ask->subject, error);
-    if (status == PICTURE_READY) picture_place_make_key(place, &ask->query, key);
-    return status;
-}
-
-// Finds the file's version, and its picture if there is one. PICTURE_BUSY: it has to be made.
-static enum picture_status look_up(struct pictures *pictures, struct picture_ask *ask, struct error *error)
-{
-    enum picture_status status = find_version(pictures, ask, &ask->place, ask->waiter.key, error);
-
-    if (status != PICTURE_READY) return status;
-    if (ask->known && strstr(ask->known, ask->waiter.key)) return PICTURE_KNOWN;
-    return picture_cache_find(&pictures->cache, ask->waiter.key, &ask->file) ? PICTURE_READY : PICTURE_BUSY;
+    picture_ask_list_add(&pictures->answered, ask);
 }
 
 // With the lock.
@@ -180,57 +85,121 @@ static void enqueue(struct pictures *pictures, struct picture_ask *ask)
 
     if (fault)
         answer(pictures, ask, fault->status, &fault->error);
-    else if (ask->is_dropped || !picture_queue_add(&pictures->queue, &ask->waiter, &is_new))
+    else if (!picture_queue_add(&pictures->queue, &ask->waiter, &is_new))
         answer(pictures, ask, PICTURE_BUSY, &too_many);
     else if (is_new)
         pthread_cond_signal(&pictures->queue_changed);
 }
 
-static void *run_finder(void *user)
+// With the lock. Whoever waits for the look is told what came of it; `file` is the picture, if there is one.
+static void end_look(struct pictures *pictures, struct picture_look *look, struct picture_file *file)
 {
-    struct pictures *pictures = user;
+    struct picture_ask *ask = look->ask;
 
-    pthread_mutex_lock(&pictures->lock);
-    while (!atomic_load(&pictures->is_stopped)) {
-        struct picture_ask *ask = list_take(&pictures->asked);
-        struct error error = {0};
-        enum picture_status status;
-
-        if (!ask) {
-            pthread_cond_wait(&pictures->asked_changed, &pictures->lock);
-            continue;
-        }
-        ask->is_looked_up = true;
-        pthread_mutex_unlock(&pictures->lock);
-        status = look_up(pictures, ask, &error);
-        pthread_mutex_lock(&pictures->lock);
-        if (status == PICTURE_BUSY)
-            enqueue(pictures, ask);
-        else
-            answer(pictures, ask, status, &error);
-        pictures->on_answers(pictures->user);
+    if (look->check) {
+        memcpy(look->check->key, look->key, sizeof look->check->key);
+        look->check->is_done = true;
+        pthread_cond_broadcast(&pictures->checked);
     }
-    pthread_mutex_unlock(&pictures->lock);
-    return NULL;
+    if (!ask) {
+        picture_look_free(look);
+        return;
+    }
+    picture_ask_list_remove(&pictures->looking, ask);
+    ask->looking = NULL;
+    ask->look = look;
+    memcpy(ask->waiter.key, look->key, sizeof ask->waiter.key);
+    if (look->status != PICTURE_READY) {
+        answer(pictures, ask, look->status, &look->error);
+    } else if (ask->known && strstr(ask->known, look->key)) {
+        answer(pictures, ask, PICTURE_KNOWN, NULL);
+    } else if (file && file->fd >= 0) {
+        ask->file = *file;
+        file->fd = -1;
+        answer(pictures, ask, PICTURE_READY, NULL);
+    } else {
+        enqueue(pictures, ask);
+    }
 }
 
-// A file that was replaced meanwhile may have given a picture of either version.
-static bool is_same_version(const struct pictures *pictures, const struct picture_ask *ask, struct error *error)
+// With the lock. False: it cannot go on, and says why.
+static bool go_on(struct pictures *pictures, struct picture_look *look, const char *lane)
 {
-    char key[HASH_TEXT_SIZE] = "";
-    struct picture_place place = {0};
-
-    find_version(pictures, ask, &place, key, error);
-    picture_place_finish(&place);
-    if (!strcmp(key, ask->waiter.key)) return true;
-    error_set(error, "a file was replaced meanwhile: ask again");
+    switch (picture_lanes_add(pictures->lanes, lane, &look->task)) {
+    case LANE_ENTERED:
+        return true;
+    case LANE_FULL:
+        look->status = PICTURE_BUSY;
+        look->error = too_many;
+        return false;
+    case LANE_LATE:
+        break;
+    }
+    look->status = PICTURE_SLOW;
+    error_set(&look->error, "%s: its disk does not answer", lane);
     return false;
 }
 
-static enum picture_status make(struct pictures *pictures, const struct picture_maker *maker,
-                                const struct picture_ask *model, struct picture_file *file, struct error *error)
+// By the thread that looked.
+static void on_looked(struct lane_task *task, void *user)
 {
-    struct explanation explanation = explanation_of(pictures, model);
+    struct picture_look *look = picture_look_of(task);
+    const char *lane = picture_look_lane(look);
+    struct picture_file file = {.fd = -1};
+    struct pictures *pictures = user;
+
+    if (!lane && look->status == PICTURE_READY) (void)picture_cache_find(&pictures->cache, look->key, &file);
+    pthread_mutex_lock(&pictures->lock);
+    if (!lane || !(look->ask || look->check) || !go_on(pictures, look, lane)) end_look(pictures, look, &file);
+    pthread_mutex_unlock(&pictures->lock);
+    picture_file_close(&file);
+    pictures->on_answers(pictures->user);
+}
+
+static void on_look_left(struct lane_task *task)
+{
+    picture_look_free(picture_look_of(task));
+}
+
+// Waits for the look. False: the disk does not answer, or all ends.
+static bool wait_for_check(struct pictures *pictures, struct picture_look *look, struct picture_check *check)
+{
+    struct timespec until;
+    int cause = 0;
+
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += pictures->look_ms / 1000 + 1;
+    look->check = check;
+    pthread_mutex_lock(&pictures->lock);
+    if (!go_on(pictures, look, picture_look_lane(look))) end_look(pictures, look, NULL);
+    while (!check->is_done && !cause && !atomic_load(&pictures->is_stopped))
+        cause = pthread_cond_timedwait(&pictures->checked, &pictures->lock, &until);
+    if (!check->is_done) look->check = NULL;
+    pthread_mutex_unlock(&pictures->lock);
+    return check->is_done;
+}
+
+// A file that was replaced meanwhile may have given a picture of either version.
+static enum picture_status check_version(struct pictures *pictures, const struct picture_look *model,
+                                         struct error *error)
+{
+    struct picture_check check = {0};
+    struct picture_look *look = picture_look_create(&model->query, model->subject, model->worker, &model->roots);
+
+    if (!wait_for_check(pictures, look, &check)) {
+        *error = no_answer;
+        return PICTURE_SLOW;
+    }
+    if (!strcmp(check.key, model->key)) return PICTURE_READY;
+    error_set(error, "a file was replaced meanwhile: ask again");
+    return PICTURE_BUSY;
+}
+
+static enum picture_status make(struct pictures *pictures, struct picture_maker *maker,
+                                const struct picture_look *model, struct picture_file *file, struct error *error)
+{
+    const struct explanation explanation = {
+        .document = model->subject, .worker = model->worker, .roots = &model->roots};
     char facts[PICTURE_MADE_FACTS + 1] = "{}";
     enum picture_status status;
 
@@ -238,10 +207,9 @@ static enum picture_status make(struct pictures *pictures, const struct picture_
         status = picture_maker_explain(maker, &explanation, error);
     else
         status = picture_maker_run(maker, &model->place, &model->query, facts, error);
+    if (status == PICTURE_READY) status = check_version(pictures, model, error);
     if (status != PICTURE_READY) return status;
-    if (!is_same_version(pictures, model, error)) return PICTURE_BUSY;
-    if (picture_cache_take(&pictures->cache, model->waiter.key, facts, maker->folder_fd, picture_maker_file, file,
-                           error))
+    if (picture_cache_take(&pictures->cache, model->key, facts, maker->folder_fd, picture_maker_file, file, error))
         return PICTURE_READY;
     return PICTURE_NO_ROOM;
 }
@@ -251,7 +219,7 @@ static void answer_all(struct pictures *pictures, struct picture_waiter *waiters
                        struct picture_file *file, const struct error *error)
 {
     while (waiters) {
-        struct picture_ask *ask = ask_of(waiters);
+        struct picture_ask *ask = picture_ask_of(waiters);
 
         waiters = waiters->next;
         if (status == PICTURE_READY) {
@@ -261,25 +229,6 @@ static void answer_all(struct pictures *pictures, struct picture_waiter *waiters
         answer(pictures, ask, status == PICTURE_READY && ask->file.fd < 0 ? PICTURE_FAULT : status, error);
     }
     picture_file_close(file);
-}
-
-// What a task's first waiter asked for, as others may give up while it is made.
-static struct picture_ask *copy_model(const struct picture_task *task)
-{
-    const struct picture_ask *ask = ask_of(task->waiters);
-    struct picture_ask *model = xcalloc(1, sizeof *model);
-
-    *model = (struct picture_ask){.waiter.user = ask->waiter.user,
-                                  .query = ask->query,
-                                  .subject = xstrdup(ask->subject),
-                                  .place = ask->place,
-                                  .file.fd = -1};
-    memcpy(model->waiter.key, ask->waiter.key, sizeof model->waiter.key);
-    if (ask->place.folder) model->place.folder = xstrdup(ask->place.folder);
-    if (ask->place.name) model->place.name = xstrdup(ask->place.name);
-    for (size_t i = 0; i < ask->roots.count; i++)
-        path_list_add(&model->roots, xstrdup(ask->roots.paths[i]));
-    return model;
 }
 
 static void *run_maker(void *user)
@@ -293,21 +242,21 @@ static void *run_maker(void *user)
         struct picture_task *task = picture_queue_take(&pictures->queue);
         struct picture_file file = {.fd = -1};
         struct error error = {0};
-        struct picture_ask *model;
+        struct picture_look *model;
         enum picture_status status;
 
         if (!task) {
             pthread_cond_wait(&pictures->queue_changed, &pictures->lock);
             continue;
         }
-        model = copy_model(task);
+        // Others may give up while it is made, the first one among them.
+        model = picture_look_copy(picture_ask_of(task->waiters)->look);
         pthread_mutex_unlock(&pictures->lock);
         status = make(pictures, own.maker, model, &file, &error);
         pthread_mutex_lock(&pictures->lock);
-        if (status != PICTURE_READY)
-            picture_faults_note(&pictures->faults, model->waiter.key, status, &error, now_ms());
+        if (status != PICTURE_READY) picture_faults_note(&pictures->faults, model->key, status, &error, now_ms());
         answer_all(pictures, picture_queue_end(&pictures->queue, task), status, &file, &error);
-        picture_ask_free(model);
+        picture_look_free(model);
         pictures->on_answers(pictures->user);
     }
     pthread_mutex_unlock(&pictures->lock);
@@ -326,11 +275,10 @@ static bool start_thread(pthread_t *thread, void *(*run)(void *), void *user, st
 static bool start_threads(struct pictures *pictures, struct error *error)
 {
     sigset_t all, before;
-    bool ok;
+    bool ok = true;
 
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    ok = start_thread(&pictures->finder, run_finder, pictures, error);
     while (ok && pictures->started < pictures->maker_count) {
         struct maker_thread *own = xcalloc(1, sizeof *own);
 
@@ -374,10 +322,16 @@ struct pictures *pictures_create(const struct pictures_params *params, struct er
     pictures->user = params->user;
     pictures->worker = xstrdup(params->worker);
     pthread_mutex_init(&pictures->lock, NULL);
-    pthread_cond_init(&pictures->asked_changed, NULL);
     pthread_cond_init(&pictures->queue_changed, NULL);
-    list_init(&pictures->asked);
-    list_init(&pictures->answered);
+    pthread_cond_init(&pictures->checked, NULL);
+    picture_ask_list_init(&pictures->looking);
+    picture_ask_list_init(&pictures->answered);
+    pictures->look_ms = params->limit_ms < LOOK_LIMIT_MS ? params->limit_ms : LOOK_LIMIT_MS;
+    pictures->lanes = picture_lanes_create(&(struct picture_lanes_params){.run = picture_look_run,
+                                                                          .done = on_looked,
+                                                                          .release = on_look_left,
+                                                                          .user = pictures,
+                                                                          .late_ms = pictures->look_ms});
     if (open_makers(pictures, params, error) && start_threads(pictures, error)) return pictures;
     pictures_destroy(pictures);
     return NULL;
@@ -387,12 +341,12 @@ static void stop_threads(struct pictures *pictures)
 {
     pthread_mutex_lock(&pictures->lock);
     atomic_store(&pictures->is_stopped, true);
-    pthread_cond_broadcast(&pictures->asked_changed);
     pthread_cond_broadcast(&pictures->queue_changed);
+    pthread_cond_broadcast(&pictures->checked);
     pthread_mutex_unlock(&pictures->lock);
-    if (pictures->finder) pthread_join(pictures->finder, NULL);
     for (size_t i = 0; i < pictures->started; i++)
         pthread_join(pictures->threads[i], NULL);
+    picture_lanes_stop(pictures->lanes);
 }
 
 static void free_waiting(struct pictures *pictures)
@@ -406,13 +360,13 @@ static void free_waiting(struct pictures *pictures)
         while (waiter) {
             struct picture_waiter *next = waiter->next;
 
-            picture_ask_free(ask_of(waiter));
+            picture_ask_free(picture_ask_of(waiter));
             waiter = next;
         }
     }
-    while ((ask = list_take(&pictures->asked)))
+    while ((ask = picture_ask_list_take(&pictures->looking)))
         picture_ask_free(ask);
-    while ((ask = list_take(&pictures->answered)))
+    while ((ask = picture_ask_list_take(&pictures->answered)))
         picture_ask_free(ask);
 }
 
@@ -426,7 +380,7 @@ void pictures_destroy(struct pictures *pictures)
         free(pictures->folders[i]);
     picture_cache_close(&pictures->cache);
     pthread_cond_destroy(&pictures->queue_changed);
-    pthread_cond_destroy(&pictures->asked_changed);
+    pthread_cond_destroy(&pictures->checked);
     pthread_mutex_destroy(&pictures->lock);
     free(pictures->worker);
     free(pictures);
@@ -435,44 +389,69 @@ void pictures_destroy(struct pictures *pictures)
 struct picture_ask *pictures_ask(struct pictures *pictures, const struct picture_question *question, void *user)
 {
     struct picture_ask *ask = xcalloc(1, sizeof *ask);
+    struct picture_look *look =
+        picture_look_create(question->query, question->subject, pictures->worker, question->roots);
 
-    *ask = (struct picture_ask){.waiter.user = question->user, .query = *question->query, .user = user, .file.fd = -1};
-    ask->subject = xstrdup(question->subject);
+    *ask = (struct picture_ask){.waiter.user = question->user, .user = user, .looking = look, .file.fd = -1};
     ask->known = question->known ? xstrdup(question->known) : NULL;
-    for (size_t i = 0; i < question->roots->count; i++)
-        path_list_add(&ask->roots, xstrdup(question->roots->paths[i]));
+    ask->until_ms = now_ms() + pictures->look_ms;
+    look->ask = ask;
     pthread_mutex_lock(&pictures->lock);
+    picture_ask_list_add(&pictures->looking, ask);
     pictures->ask_count++;
     if (pictures->ask_count > 2 * PICTURE_WAIT_LIMIT) {
-        give(pictures, ask, PICTURE_BUSY, &too_many);
+        look->status = PICTURE_BUSY;
+        look->error = too_many;
+    }
+    if (look->status != PICTURE_READY || !go_on(pictures, look, picture_look_lane(look))) {
+        end_look(pictures, look, NULL);
         pictures->on_answers(pictures->user);
-    } else {
-        list_add(&pictures->asked, ask);
-        pthread_cond_signal(&pictures->asked_changed);
     }
     pthread_mutex_unlock(&pictures->lock);
     return ask;
 }
 
-void pictures_drop(struct pictures *pictures, struct picture_ask *ask)
+// With the lock. Its thread may have it for ever; whoever waited gives up.
+static void leave_look(struct pictures *pictures, struct picture_ask *ask)
 {
-    bool is_free = true;
+    picture_ask_list_remove(&pictures->looking, ask);
+    ask->looking->ask = NULL;
+    ask->looking = NULL;
+}
+
+bool pictures_expire(struct pictures *pictures)
+{
+    int64_t now = now_ms();
+    bool is_any;
 
     pthread_mutex_lock(&pictures->lock);
+    // They were asked one after the other.
+    while (pictures->looking.first && pictures->looking.first->until_ms <= now) {
+        struct picture_ask *ask = pictures->looking.first;
+
+        leave_look(pictures, ask);
+        answer(pictures, ask, PICTURE_SLOW, &no_answer);
+        pictures->on_answers(pictures->user);
+    }
+    is_any = pictures->looking.first;
+    pthread_mutex_unlock(&pictures->lock);
+    return is_any;
+}
+
+void pictures_drop(struct pictures *pictures, struct picture_ask *ask)
+{
+    pthread_mutex_lock(&pictures->lock);
     if (ask->is_answered) {
-        list_remove(&pictures->answered, ask);
-    } else if (!ask->is_looked_up) {
-        list_remove(&pictures->asked, ask);
-        pictures->ask_count--;
-    } else if (ask->waiter.task) {
-        picture_queue_drop(&pictures->queue, &ask->waiter);
-        pictures->ask_count--;
+        picture_ask_list_remove(&pictures->answered, ask);
     } else {
-        ask->is_dropped = true; // the finder has it, and frees it
-        is_free = false;
+        if (ask->looking)
+            leave_look(pictures, ask);
+        else
+            picture_queue_drop(&pictures->queue, &ask->waiter);
+        pictures->ask_count--;
     }
     pthread_mutex_unlock(&pictures->lock);
-    if (is_free) picture_ask_free(ask);
+    picture_ask_free(ask);
 }
 
 struct picture_ask *pictures_take_answer(struct pictures *pictures)
@@ -480,7 +459,7 @@ struct picture_ask *pictures_take_answer(struct pictures *pictures)
     struct picture_ask *ask;
 
     pthread_mutex_lock(&pictures->lock);
-    ask = list_take(&pictures->answered);
+    ask = picture_ask_list_take(&pictures->answered);
     pthread_mutex_unlock(&pictures->lock);
     return ask;
 }

@@ -46,12 +46,16 @@ struct picture_answer {
 
 // Starts the threads.
 struct pictures *pictures_create(const struct pictures_params *params, struct error *error);
-void pictures_destroy(struct pictures *pictures); // ends workers; who still waits is forgotten
+// Ends workers; who still waits is forgotten. What hangs on a disk is left to itself.
+void pictures_destroy(struct pictures *pictures);
 
 // Asks for a picture; the answer comes later, whatever it is, unless the question is dropped. `user` comes with it.
 struct picture_ask *pictures_ask(struct pictures *pictures, const struct picture_question *question, void *user);
 // Nobody waits any more. A picture that is not begun is not made.
 void pictures_drop(struct pictures *pictures, struct picture_ask *ask);
+// Called twice a second or so, as long as files are looked at (true): who has waited for a disk that does not answer
+// gets PICTURE_SLOW.
+bool pictures_expire(struct pictures *pictures);
 // An answer that has come; NULL: there is none. The caller frees it.
 struct picture_ask *pictures_take_answer(struct pictures *pictures);
 struct picture_answer picture_ask_answer(struct picture_ask *ask); // what it points to lives as long as the ask

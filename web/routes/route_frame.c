@@ -20,11 +20,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { ROOTS_TIME_MS = 10000, PAIR_LIMIT = 16 };
+enum { ROOTS_TIME_MS = 10000, PAIR_LIMIT = 16, EXPIRE_MS = 500 };
 
 struct route_frame {
     struct farm_calls *calls;  // borrowed
     uv_async_t answers;        // a thread has some
+    uv_timer_t expiry;         // disks are not waited for without end
     struct pictures *pictures; // owned; NULL: there can be none
     struct error error;        // why
     struct path_list roots;    // below which the farm's pictures are, as the daemon said last
@@ -43,6 +44,7 @@ static void on_roots(struct http_request *request, const struct farm_answer *ans
 static void on_frame(struct http_request *request, const struct farm_answer *answer, void *user);
 static void on_job(struct http_request *request, const struct farm_answer *answer, void *user);
 static void on_answers(uv_async_t *handle);
+static void on_expiry(uv_timer_t *timer);
 
 static void wake_loop(void *user)
 {
@@ -71,9 +73,18 @@ struct route_frame *route_frame_open(const struct route_frame_params *params)
     route->calls = params->calls;
     uv_async_init(params->loop, &route->answers, on_answers);
     route->answers.data = route;
+    uv_timer_init(params->loop, &route->expiry);
+    route->expiry.data = route;
     if (make_folder(params->cache_folder, &route->error)) route->pictures = pictures_create(&pictures, &route->error);
     if (!route->pictures) log_warn("there are no pictures of frames: %s", route->error.message);
     return route;
+}
+
+static void on_expiry(uv_timer_t *timer)
+{
+    struct route_frame *route = timer->data;
+
+    if (!pictures_expire(route->pictures)) uv_timer_stop(timer);
 }
 
 static void on_closed(uv_handle_t *handle)
@@ -81,12 +92,19 @@ static void on_closed(uv_handle_t *handle)
     free(handle->data);
 }
 
+static void on_expiry_closed(uv_handle_t *handle)
+{
+    struct route_frame *route = handle->data;
+
+    uv_close((uv_handle_t *)&route->answers, on_closed);
+}
+
 void route_frame_close(struct route_frame *route)
 {
     if (route->pictures) pictures_destroy(route->pictures);
     path_list_finish(&route->roots);
     path_list_finish(&route->inputs);
-    uv_close((uv_handle_t *)&route->answers, on_closed);
+    uv_close((uv_handle_t *)&route->expiry, on_expiry_closed);
 }
 
 // Reads what is asked for. False: the request was answered with what is wrong.
@@ -231,6 +249,7 @@ static void ask_picture(struct route_frame *route, struct http_request *request,
     *showing = (struct showing){.route = route, .request = request};
     showing->ask = pictures_ask(route->pictures, &question, showing);
     http_request_on_gone(request, on_gone, showing);
+    if (!uv_is_active((uv_handle_t *)&route->expiry)) uv_timer_start(&route->expiry, on_expiry, EXPIRE_MS, EXPIRE_MS);
     log_debug("%s: a picture of %s", http_request_address(request), http_request_path(request));
 }
 

@@ -17,14 +17,15 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
 struct stage {
     struct path_list roots;
     struct explanation explanation;
-    char *document; // of a job that reads FOLDER/in/mine/v.raw
-    const char *file;
+    char *document; // of a job that reads `file`
+    char *file;
 };
 
 static void write_file(const char *path, const char *text)
@@ -36,16 +37,16 @@ static void write_file(const char *path, const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-static void begin(struct stage *stage, void **state)
+static void begin_with(struct stage *stage, void **state, const char *name)
 {
     char *cloud = job_text_load("cloud.json"), *value;
 
-    *stage = (struct stage){.file = temp_folder_path(state, "in/mine/v.raw")};
-    assert_int_equal(mkdir(temp_folder_path(state, "in"), 0700), 0);
-    assert_int_equal(mkdir(temp_folder_path(state, "in/mine"), 0700), 0);
+    *stage = (struct stage){.file = xstrdup(temp_folder_path(state, name))};
+    (void)mkdir(temp_folder_path(state, "in"), 0700);
+    (void)mkdir(temp_folder_path(state, "in/mine"), 0700);
     path_list_add(&stage->roots, xstrdup(temp_folder_path(state, "in")));
-    value = xasprintf("{\"kind\":\"grid\",\"file\":\"%s\",\"size\":[8,8,8],\"type\":\"uint8\",\"spacing\":[1,1,1]}",
-                      stage->file);
+    value = xasprintf("{\"kind\":\"grid\",\"file\":\"%s\"%s}", stage->file,
+                      strstr(name, ".raw") ? ",\"size\":[8,8,8],\"type\":\"uint8\",\"spacing\":[1,1,1]" : "");
     stage->document = json_edit_set(cloud, "scene.media[0].density", value);
     free(value);
     free(cloud);
@@ -53,17 +54,37 @@ static void begin(struct stage *stage, void **state)
         (struct explanation){.document = stage->document, .worker = "/bin/true", .roots = &stage->roots};
 }
 
+static void begin(struct stage *stage, void **state)
+{
+    begin_with(stage, state, "in/mine/v.raw");
+}
+
 static void end(struct stage *stage)
 {
     path_list_finish(&stage->roots);
     free(stage->document);
+    free(stage->file);
+}
+
+static enum picture_status try_key(const struct stage *stage, char text[static HASH_TEXT_SIZE], struct error *error)
+{
+    struct explanation_key key;
+    enum picture_status status = explanation_key_begin(&key, &stage->explanation, error);
+
+    if (status == PICTURE_READY) {
+        while (explanation_key_root(&key))
+            explanation_key_look(&key);
+        explanation_key_make(&key, text);
+    }
+    explanation_key_finish(&key);
+    return status;
 }
 
 static void make_key(const struct stage *stage, char key[static HASH_TEXT_SIZE])
 {
     struct error error = {0};
 
-    if (explanation_make_key(&stage->explanation, key, &error) != PICTURE_READY) fail_msg("%s", error.message);
+    if (try_key(stage, key, &error) != PICTURE_READY) fail_msg("%s", error.message);
 }
 
 static void key_changes_with_document_file_and_worker(void **state)
@@ -90,6 +111,62 @@ static void key_changes_with_document_file_and_worker(void **state)
     end(&stage);
 }
 
+static void write_header(const struct stage *stage, const char *data)
+{
+    char *text = xasprintf("NRRD0004\n# a comment\ntype: uchar\n%s\nencoding: raw\n\n", data);
+
+    write_file(stage->file, text);
+    free(text);
+}
+
+// The voxels lie beside the header, which stays as it is.
+static void key_changes_with_the_file_that_a_header_names(void **state)
+{
+    static const char *const fields[] = {"data file: ", "datafile:", "Data File:   "};
+
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        char absent[HASH_TEXT_SIZE], there[HASH_TEXT_SIZE], again[HASH_TEXT_SIZE], key[HASH_TEXT_SIZE];
+        char line[512];
+        struct stage stage;
+
+        begin_with(&stage, state, i == 1 ? "in/mine/v.nrrd" : "in/mine/v.nhdr");
+        snprintf(line, sizeof line, "%s%s \t\r", fields[i],
+                 i == 2 ? temp_folder_path(state, "in/mine/v.data") : "v.data");
+        write_header(&stage, line);
+        make_key(&stage, absent);
+        write_file(temp_folder_path(state, "in/mine/v.data"), "voxels");
+        make_key(&stage, there);
+        make_key(&stage, again);
+        assert_string_not_equal(there, absent);
+        assert_string_equal(again, there);
+        write_file(temp_folder_path(state, "in/mine/v.data"), "more voxels");
+        make_key(&stage, key);
+        assert_string_not_equal(key, there);
+        assert_int_equal(unlink(temp_folder_path(state, "in/mine/v.data")), 0);
+        end(&stage);
+    }
+}
+
+// No disk but the header's is asked, and a pipe in a header's place is not waited for.
+static void file_that_a_header_names_elsewhere_is_not_looked_at(void **state)
+{
+    char before[HASH_TEXT_SIZE], after[HASH_TEXT_SIZE], line[512];
+    struct stage stage;
+
+    begin_with(&stage, state, "in/mine/v.nhdr");
+    snprintf(line, sizeof line, "data file: %s", temp_folder_path(state, "v.data"));
+    write_header(&stage, line);
+    make_key(&stage, before);
+    write_file(temp_folder_path(state, "v.data"), "voxels");
+    make_key(&stage, after);
+    assert_string_equal(after, before);
+    assert_int_equal(unlink(stage.file), 0);
+    assert_int_equal(mkfifo(stage.file, 0600), 0);
+    make_key(&stage, after);
+    assert_string_not_equal(after, before);
+    end(&stage);
+}
+
 static void file_below_no_root_is_refused(void **state)
 {
     char key[HASH_TEXT_SIZE] = "";
@@ -99,7 +176,7 @@ static void file_below_no_root_is_refused(void **state)
     begin(&stage, state);
     path_list_finish(&stage.roots);
     path_list_add(&stage.roots, xstrdup(temp_folder_path(state, "other")));
-    assert_int_equal(explanation_make_key(&stage.explanation, key, &error), PICTURE_FORBIDDEN);
+    assert_int_equal(try_key(&stage, key, &error), PICTURE_FORBIDDEN);
     assert_non_null(strstr(error.message, "scene.media[0].density.file"));
     end(&stage);
 }
@@ -116,7 +193,7 @@ static void what_is_no_job_is_refused(void **state)
         struct error error = {0};
 
         stage.explanation.document = documents[i];
-        assert_int_equal(explanation_make_key(&stage.explanation, key, &error), PICTURE_UNREADABLE);
+        assert_int_equal(try_key(&stage, key, &error), PICTURE_UNREADABLE);
         assert_true(error.message[0]);
         assert_false(explanation_write(&stage.explanation, "/cache/work-0", &words, NULL));
         json_writer_finish(&words);
@@ -168,6 +245,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(key_changes_with_document_file_and_worker, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(key_changes_with_the_file_that_a_header_names, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(file_that_a_header_names_elsewhere_is_not_looked_at, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(file_below_no_root_is_refused, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(what_is_no_job_is_refused, temp_folder_create, temp_folder_destroy),
