@@ -8,7 +8,7 @@
 // A drawn pixel that was measured. All values are means over R, G and B, divided by the pixel's density in the map and
 // by the mean square of the frame's values (by 1 for a black frame).
 struct audit_sample {
-    double square; // (I - R)^2, I being the frame and R the reference, less the noise of rough surfaces
+    double square; // (I - R)^2, I being the frame and R the reference, less the noise of both that is known
     double cross;  // I (I - R)
     double noise;  // variance of I by the random normals of rough surfaces
 };

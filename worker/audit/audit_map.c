@@ -284,12 +284,15 @@ double audit_map_density(const struct audit_map *map, struct pixel point)
     return density;
 }
 
-// The squared difference less the noise of random normals in frame and reference; 0 up to four standard errors of that
-// noise.
+// The squared difference less the noise of the reference, and of random normals in both; 0 up to four standard errors of
+// the latter.
 static double square_beyond_noise(double difference, const struct truth_pixel *pixel, int c)
 {
     double noise = pixel->variance[c] * (1.0 + pixel->share), square = difference * difference;
 
+    // The product of the differences to the two halves of the reference: right on average, so that its noise counts
+    // nothing, and possibly negative.
+    square -= pixel->half[c] * pixel->half[c];
     if (noise == 0.0) return square;
     return square > NOISE_LIMIT * noise ? square - noise : 0.0;
 }

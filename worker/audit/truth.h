@@ -39,6 +39,9 @@ struct truth_pixel {
     // the reference's differ from the renderer's. `rgb` itself has `share` times this variance. 0 without rough
     // surfaces.
     double variance[3], share;
+    // Half of the difference between two independent random measurements of the light, of which `rgb` is the mean; 0
+    // where the light is exact.
+    double half[3];
     bool is_converged; // false when refinement ended before it reached the accuracy
 };
 

@@ -7,6 +7,7 @@
 #include "tests/support/example_job.h"
 #include "tests/support/render_frame.h"
 #include "worker/audit/audit_map.h"
+#include "worker/audit/audit_random.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 
@@ -190,6 +191,33 @@ static void the_mean_of_many_audits_is_the_error(void **state)
     }
     // 25,600 draws, of which every tenth or so is the bright pixel.
     assert_near(squares, wanted, 0.05 * wanted);
+    clear_scenery(&scenery);
+}
+
+// Each half of the reference errs by 0.5, as much as the light: the frame's own error of 0.05 is found all the same.
+static void noise_of_the_reference_counts_nothing(void **state)
+{
+    enum { DRAWS = 100000 };
+    const struct pixel point = {35, 2};
+    uint64_t random = 7;
+    double sum = 0.0, weight;
+    struct scenery scenery;
+
+    set_scenery(&scenery);
+    weight = 1.0 / (audit_map_density(&scenery.map, point) * scenery.map.mean_square);
+    for (int i = 0; i < DRAWS; i++) {
+        struct truth_pixel light = light_of(0.0);
+
+        for (int c = 0; c < 3; c++) {
+            double first = 0.45 + (audit_random(&random) < 0.5 ? -0.5 : 0.5);
+            double second = 0.45 + (audit_random(&random) < 0.5 ? -0.5 : 0.5);
+
+            light.rgb[c] = 0.5 * (first + second);
+            light.half[c] = 0.5 * (first - second);
+        }
+        sum += audit_map_compare(&scenery.map, point, NULL, &light).square / (weight * DRAWS);
+    }
+    assert_near(sum, 0.05 * 0.05, 0.002);
     clear_scenery(&scenery);
 }
 
@@ -422,6 +450,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(draws_are_the_jobs_and_the_frames),
         cmocka_unit_test(pixels_that_stand_out_are_drawn_more),
         cmocka_unit_test(the_mean_of_many_audits_is_the_error),
+        cmocka_unit_test(noise_of_the_reference_counts_nothing),
         cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
         cmocka_unit_test(the_most_pixels_end_an_audit),
         cmocka_unit_test(an_audit_tells_how_much_it_has_measured),
