@@ -284,8 +284,8 @@ double audit_map_density(const struct audit_map *map, struct pixel point)
     return density;
 }
 
-// The squared difference less the noise of the reference, and of random normals in both; 0 up to four standard errors of
-// the latter.
+// The squared difference less the noise of the reference, and of random normals in both; 0 up to four standard errors
+// of the latter.
 static double square_beyond_noise(double difference, const struct truth_pixel *pixel, int c)
 {
     double noise = pixel->variance[c] * (1.0 + pixel->share), square = difference * difference;

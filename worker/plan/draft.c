@@ -33,6 +33,11 @@ static int middle_rung(enum plan_axis axis, const struct plan_scene *scene)
         return 6;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
         return 3;
+    case PLAN_AXIS_SCATTER_GRID:
+    case PLAN_AXIS_PIXEL_PATHS:
+        return 4;
+    case PLAN_AXIS_NODE_PATHS:
+        return 5;
     case PLAN_AXIS_PATHS: // the job's own
         break;
     }

@@ -6,6 +6,7 @@
 #include "worker/audit/truth_lengths.h"
 #include "worker/density/density_bake.h"
 #include "worker/model/scene_features.h"
+#include "worker/plan/scatter_search.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,6 +27,7 @@ static const double VOXELS_FIRST = 8.0;       // a step
 static const double VOXELS_OF_A_PATH = 128.0; // the assumed length of a path
 static const double DEPTH_FIRST = 4.0;        // optical depth of a step
 static const double TRANSMITTANCE_FIRST = 0.02;
+static const double FLIGHTS = 16.0;    // of a random path, where they are not counted
 static const double LIGHT_SHARE = 0.5; // of the longest path: a path towards a light, where it is not measured
 
 static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
@@ -41,6 +43,11 @@ static bool serves_even(const struct plan_scene *scene)
 static bool serves_marched(const struct plan_scene *scene)
 {
     return !serves_even(scene);
+}
+
+static bool serves_scattered(const struct plan_scene *scene)
+{
+    return scene->is_scattered;
 }
 
 static bool serves_lit(const struct plan_scene *scene)
@@ -101,6 +108,8 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
                                  .has_extinction = features.has_extinction,
                                  .has_paths = features.has_paths,
                                  .has_roughness = features.has_roughness,
+                                 .is_scattered = job->scene.orders != 1,
+                                 .path_flights = FLIGHTS,
                                  .pixels = (double)job->width_px * job->height_px};
     for (size_t i = 0; i < job->scene.medium_count; i++) {
         const struct scene_density *density = &job->scene.media[i].density;
@@ -125,21 +134,24 @@ void plan_scene_measure_lengths(struct plan_scene *scene, const int32_t *frames,
     if (lengths.light > 0.0) scene->light_length = fmin(scene->light_length, BALL * lengths.light);
 }
 
+#define SCATTER_AXES PLAN_AXIS_SCATTER_GRID, PLAN_AXIS_NODE_PATHS
+
 // Families that usually need less work stand first.
 const struct plan_family plan_families[] = {
-    {"equiangular", JOB_METHOD_EQUIANGULAR, 0, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS}, 2},
+    {"equiangular", JOB_METHOD_EQUIANGULAR, 0, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS, SCATTER_AXES}, 4},
     {"cached with baked densities",
      JOB_METHOD_CACHED,
      0,
      serves_baked,
-     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_DENSITY_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
-     5},
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_DENSITY_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS,
+      SCATTER_AXES},
+     7},
     {"cached",
      JOB_METHOD_CACHED,
      0,
      serves_lit,
-     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
-     4},
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS, SCATTER_AXES},
+     6},
     {"preintegrated",
      JOB_METHOD_PREINTEGRATED,
      0,
@@ -150,20 +162,22 @@ const struct plan_family plan_families[] = {
      JOB_METHOD_GAUSS,
      2,
      serves_marched,
-     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
-     4},
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS, SCATTER_AXES},
+     6},
     {"adaptive",
      JOB_METHOD_ADAPTIVE,
      0,
      serves_marched,
-     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_DEPTH_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
-     5},
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_DEPTH_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS,
+      SCATTER_AXES},
+     7},
     {"midpoint",
      JOB_METHOD_MIDPOINT,
      0,
      serves_marched,
-     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
-     4},
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS, SCATTER_AXES},
+     6},
+    {"paths", JOB_METHOD_PATHS, 0, serves_scattered, {PLAN_AXIS_PIXEL_PATHS}, 1},
 };
 const size_t plan_family_count = sizeof plan_families / sizeof *plan_families;
 
@@ -180,6 +194,10 @@ static bool matters(enum plan_axis axis, const struct plan_scene *scene)
         return scene->has_extinction;
     case PLAN_AXIS_PATHS:
         return scene->has_paths;
+    case PLAN_AXIS_SCATTER_GRID:
+    case PLAN_AXIS_NODE_PATHS:
+    case PLAN_AXIS_PIXEL_PATHS:
+        return scene->is_scattered;
     case PLAN_AXIS_STEP:
     case PLAN_AXIS_DENSITY_GRID:
         break;
@@ -216,6 +234,11 @@ int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene)
         return TRANSMITTANCE_RUNGS - 1;
     case PLAN_AXIS_PATHS:
         return PATH_RUNGS - 1;
+    case PLAN_AXIS_SCATTER_GRID:
+        return SCATTER_GRID_RUNGS - 1;
+    case PLAN_AXIS_NODE_PATHS:
+    case PLAN_AXIS_PIXEL_PATHS:
+        return SCATTER_PATH_RUNGS - 1;
     }
     return 0;
 }
@@ -256,6 +279,13 @@ static void set_axis(struct job_quality *quality, enum plan_axis axis, const str
         quality->max_depth = scene->job->quality.max_depth + 2 * rung;
         if (quality->max_depth > JOB_DEPTH_LIMIT) quality->max_depth = JOB_DEPTH_LIMIT;
         break;
+    case PLAN_AXIS_SCATTER_GRID:
+        quality->scatter_grid = scatter_grid_cells[rung];
+        break;
+    case PLAN_AXIS_NODE_PATHS:
+    case PLAN_AXIS_PIXEL_PATHS:
+        quality->paths = 1 << rung;
+        break;
     }
 }
 
@@ -281,7 +311,7 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
 bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene)
 {
     struct json_node nowhere = json_node_root(NULL);
-    struct plan_point middle = {{8, 8, 8, 4, 0}};
+    struct plan_point middle = {{8, 8, 8, 4, 0, 4, 4}};
     struct job planned = *scene->job;
 
     if (!family->serves(scene)) return false;
@@ -306,6 +336,11 @@ static int start_rung(enum plan_axis axis, int level)
         return 8;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
         return 3;
+    case PLAN_AXIS_SCATTER_GRID:
+        return 6;
+    case PLAN_AXIS_NODE_PATHS:
+    case PLAN_AXIS_PIXEL_PATHS:
+        return 8;
     case PLAN_AXIS_PATHS:
         break;
     }
@@ -407,6 +442,15 @@ static double grid_work(const struct plan_scene *scene, const struct job_quality
     return lights * pow(quality->light_grid, 3) * (density + COLUMN) / samples;
 }
 
+// Work of the random paths of a frame, divided by its pixels.
+static double scatter_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
+{
+    double each = quality->paths * scene->path_flights * (density + 1.0);
+
+    if (quality->method == JOB_METHOD_PATHS) return each;
+    return pow(quality->scatter_grid, 3) * each / (scene->pixels * quality->samples);
+}
+
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality)
 {
     static const double PIXEL = 5.0;
@@ -414,7 +458,7 @@ double plan_family_work(const struct plan_scene *scene, const struct job_quality
 
     if (quality->method == JOB_METHOD_EQUIANGULAR) {
         sum = points_work(scene, quality);
-    } else {
+    } else if (quality->method != JOB_METHOD_PATHS) {
         for (size_t i = 0; i < scene->depth_count; i++)
             sum += ray_work(scene, quality, density, scene->depths[i]);
         sum /= scene->depth_count > 0 ? (double)scene->depth_count : 1.0;
@@ -422,5 +466,6 @@ double plan_family_work(const struct plan_scene *scene, const struct job_quality
     // A smaller min_throughput cuts fewer paths, and each cut that is left out costs a little.
     if (scene->has_paths)
         sum *= 1.0 + 0.02 * log2(scene->job->quality.min_throughput / fmax(quality->min_throughput, 1e-9));
-    return quality->samples * (PIXEL + scene->hit_share * sum + grid_work(scene, quality, density));
+    return quality->samples * (PIXEL + scene->hit_share * sum + grid_work(scene, quality, density) +
+                               (quality->paths > 0 ? scatter_work(scene, quality, density) : 0.0));
 }

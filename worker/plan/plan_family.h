@@ -17,7 +17,11 @@ enum plan_axis {
     PLAN_AXIS_LIGHT_GRID,
     PLAN_AXIS_DENSITY_GRID,
     PLAN_AXIS_MIN_TRANSMITTANCE,
-    PLAN_AXIS_PATHS // max_depth and min_throughput
+    PLAN_AXIS_PATHS, // max_depth and min_throughput
+    // Of scenes that scatter light more than once. They stand last: a plan for the first order alone lacks them.
+    PLAN_AXIS_SCATTER_GRID,
+    PLAN_AXIS_NODE_PATHS, // random paths of each node of the scatter_grid
+    PLAN_AXIS_PIXEL_PATHS // random paths of each pixel
 };
 
 // The properties of a scene on which axes and work depend.
@@ -30,7 +34,10 @@ struct plan_scene {
     double camera_length, light_length;
     int small_level; // by how many halvings steps for the smallest medium are shorter than those for the longest path
     bool is_even;    // all media are homogeneous without falloff
+    // has_lights: those that a march shows.
     bool has_media, has_lights, has_extinction, has_paths, has_roughness;
+    bool is_scattered;   // light is scattered more than once
+    double path_flights; // mean number of flights of a random path
     const float *depths; // borrowed; optical depths, one for each measured ray that meets a medium
     size_t depth_count;
     double hit_share; // of the measured rays: those that meet a medium

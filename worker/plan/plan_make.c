@@ -14,6 +14,7 @@
 #include "worker/plan/plan_pilot.h"
 #include "worker/plan/plan_pixels.h"
 #include "worker/plan/plan_progress.h"
+#include "worker/plan/plan_scatter.h"
 #include "worker/plan/plan_scout.h"
 #include "worker/plan/plan_search.h"
 #include "worker/plan/plan_time.h"
@@ -360,6 +361,35 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
     return ok;
 }
 
+// What was measured of the first order says nothing of the frames.
+static void forget_evidence(struct plan_evidence *evidence)
+{
+    struct job_quality finest = evidence->finest;
+    int pixel_limit = evidence->pixel_limit;
+
+    plan_evidence_finish(evidence);
+    evidence->finest = finest;
+    evidence->pixel_limit = pixel_limit;
+}
+
+static bool choose_scattered(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                             struct error *error)
+{
+    struct plan_scatter *scatter = plan_scatter_create(params, fault, error);
+    struct plan_params first_params = *params;
+    struct job first;
+    bool ok;
+
+    if (!scatter) return false;
+    first = plan_scatter_first_job(scatter);
+    first_params.job = &first;
+    ok = choose_plan(plan, &first_params, fault, error);
+    if (ok && params->evidence) forget_evidence(params->evidence);
+    ok = ok && plan_scatter_complete(scatter, plan, fault, error);
+    plan_scatter_destroy(scatter);
+    return ok;
+}
+
 bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
 {
     struct plan_evidence evidence = {0};
@@ -369,7 +399,7 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
 
     chosen.done = &done;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
-    ok = choose_plan(plan, &chosen, fault, error);
+    ok = (params->job->scene.orders == 1 ? choose_plan : choose_scattered)(plan, &chosen, fault, error);
     ok = ok && plan_pixels_choose(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 enum {
-    PLAN_AXIS_LIMIT = 5,
+    PLAN_AXIS_LIMIT = 7,
     PLAN_MEASURE_LIMIT = 40, // points per search
     PLAN_HALVING_RUNGS = 2   // by which a step is halved
 };

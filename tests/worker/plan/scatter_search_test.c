@@ -1,0 +1,119 @@
+// The cheapest paths that keep an error, on known errors.
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/scatter_search.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static const double PIXELS = 160.0 * 120.0;
+
+// The error of cells falls with their number's square. A pixel sees several nodes, each with the noise of its paths.
+struct terrain {
+    double cells, noise, pixel_noise;
+    int stop_after; // measurements; 0: never
+    int measured;
+};
+
+static double square_of(const struct terrain *terrain, int grid_rung, int path_rung)
+{
+    double cells;
+
+    if (grid_rung == SCATTER_PIXELS) return terrain->pixel_noise * exp2(-path_rung);
+    cells = terrain->cells / pow(scatter_grid_cells[grid_rung], 2.0);
+    return cells * cells + terrain->noise * exp2(-path_rung) / scatter_grid_cells[grid_rung];
+}
+
+static bool measure(void *user, int grid_rung, int path_rung, double *square)
+{
+    struct terrain *terrain = user;
+
+    *square = square_of(terrain, grid_rung, path_rung);
+    return ++terrain->measured != terrain->stop_after;
+}
+
+static struct scatter_finding search(struct terrain *terrain, double target, bool has_grid)
+{
+    return scatter_search_run(&(struct scatter_search){.target = target,
+                                                       .pixels = PIXELS,
+                                                       .has_grid = has_grid,
+                                                       .evaluation_max = 1e9,
+                                                       .list_pixels = 64,
+                                                       .measure = measure,
+                                                       .user = terrain});
+}
+
+static double cost_of(int grid_rung, int path_rung)
+{
+    return (grid_rung == SCATTER_PIXELS ? PIXELS : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
+}
+
+static double find_least_cost(const struct terrain *terrain, double target)
+{
+    double least = INFINITY;
+
+    for (int grid = SCATTER_PIXELS; grid < SCATTER_GRID_RUNGS; grid++)
+        for (int path = 0; path < SCATTER_PATH_RUNGS; path++)
+            if (square_of(terrain, grid, path) <= target * target) least = fmin(least, cost_of(grid, path));
+    return least;
+}
+
+static void what_is_found_keeps_the_target_and_is_cheap(void **state)
+{
+    static const double targets[] = {0.003, 0.01, 0.03, 0.1}, cells[] = {0.05, 1.0, 4.0, 20.0};
+
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
+        for (size_t k = 0; k < sizeof cells / sizeof *cells; k++) {
+            struct terrain terrain = {.cells = cells[k], .noise = 5.0, .pixel_noise = 1.3};
+            struct scatter_finding found = search(&terrain, targets[i], true);
+
+            assert_true(found.is_found);
+            assert_true(square_of(&terrain, found.grid_rung, found.path_rung) <= 1.001 * targets[i] * targets[i]);
+            assert_true(cost_of(found.grid_rung, found.path_rung) <= 4.0 * find_least_cost(&terrain, targets[i]));
+        }
+}
+
+static void light_that_no_grid_holds_gets_paths_of_pixels(void **state)
+{
+    struct terrain rough = {.cells = 1e4, .noise = 5.0, .pixel_noise = 1.3}, smooth = rough;
+    struct scatter_finding found = search(&rough, 0.01, true);
+
+    smooth.cells = 1.0;
+    assert_true(found.is_found && found.grid_rung == SCATTER_PIXELS);
+    assert_int_equal(found.path_rung, (int)ceil(log2(1.3 / 1e-4)));
+    assert_true(search(&smooth, 0.01, true).grid_rung >= 0);
+    assert_int_equal(search(&smooth, 0.01, false).grid_rung, SCATTER_PIXELS);
+}
+
+static void the_nearest_is_kept_where_nothing_suffices(void **state)
+{
+    struct terrain noisy = {.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
+    struct scatter_finding found = search(&noisy, 0.001, true);
+
+    assert_false(found.is_found);
+    assert_true(isfinite(found.error) && found.error > 0.001);
+}
+
+static void a_search_ends_where_it_is_stopped(void **state)
+{
+    struct terrain terrain = {.cells = 1.0, .noise = 5.0, .pixel_noise = 1.3, .stop_after = 3};
+
+    assert_true(search(&terrain, 0.01, true).is_stopped);
+    assert_int_equal(terrain.measured, 3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_found_keeps_the_target_and_is_cheap),
+        cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
+        cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
+        cmocka_unit_test(a_search_ends_where_it_is_stopped),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/scatter_search.h"
+
+#include <math.h>
+
+const int scatter_grid_cells[SCATTER_GRID_RUNGS] = {4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256};
+
+enum {
+    GRID_FIRST = 4,       // 16 cells
+    PATHS_FIRST = 4,      // 16 paths of each node,
+    PIXEL_PATHS_FIRST = 5 // and 32 of each pixel
+};
+
+// The share of the target's square that a grid's cells may take: the rest is for the paths.
+static const double CELLS_SHARE = 0.7;
+
+struct walk {
+    const struct scatter_search *search;
+    struct scatter_finding finding;
+    double cost, traced; // of the finding; by all measurements
+    double least;        // the least square that was met
+};
+
+static double nodes_of(const struct walk *walk, int grid_rung)
+{
+    return grid_rung == SCATTER_PIXELS ? walk->search->pixels : pow(scatter_grid_cells[grid_rung], 3.0);
+}
+
+static bool measure(struct walk *walk, int grid_rung, int path_rung, double *square)
+{
+    double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
+
+    walk->traced += nodes * exp2(path_rung);
+    if (walk->search->measure(walk->search->user, grid_rung, path_rung, square)) return true;
+    walk->finding.is_stopped = true;
+    return false;
+}
+
+// True while a measurement with so many paths is affordable.
+static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
+{
+    double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
+
+    return path_rung < SCATTER_PATH_RUNGS && walk->traced + nodes * exp2(path_rung) <= walk->search->evaluation_max;
+}
+
+static void keep(struct walk *walk, int grid_rung, int path_rung, double square)
+{
+    double cost = nodes_of(walk, grid_rung) * exp2(path_rung), target = walk->search->target;
+    bool is_within = square <= target * target;
+
+    if (walk->finding.is_found ? !is_within || cost >= walk->cost : !is_within && square >= walk->least) return;
+    walk->finding.grid_rung = grid_rung;
+    walk->finding.path_rung = path_rung;
+    walk->finding.error = sqrt(fmax(square, 0.0));
+    walk->finding.is_found = is_within;
+    walk->cost = cost;
+    walk->least = square;
+}
+
+// The parts of a squared error that paths leave, and that the grid's cells do.
+struct parts {
+    double noise, cells;
+};
+
+// `coarse` was measured with a fourth of the paths of `fine`. Paths of pixels have noise alone.
+static struct parts split(double coarse, double fine, bool is_of_pixels)
+{
+    static const double LEAST = 0.1; // two measurements may agree by chance
+    double noise = fmax((coarse - fine) / 3.0, LEAST * fmax(fine, 0.0));
+
+    if (is_of_pixels) return (struct parts){.noise = fmax(noise, fine)};
+    return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0)};
+}
+
+// By how many rungs paths leave no more than `allowed` of the noise.
+static int find_rungs(double noise, double allowed, int path_rung)
+{
+    int by = noise > 0.0 ? (int)ceil(log2(noise / allowed)) : -path_rung;
+
+    if (path_rung + by < 0) return -path_rung;
+    return path_rung + by < SCATTER_PATH_RUNGS ? by : SCATTER_PATH_RUNGS - 1 - path_rung;
+}
+
+// Tries one grid. Paths are quadrupled until their noise is within the target or they are too many.
+static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
+{
+    double wanted = walk->search->target * walk->search->target, coarse, fine;
+    struct parts parts;
+    int by = 0;
+
+    if (!measure(walk, grid_rung, path_rung, &fine)) return false;
+    do {
+        coarse = fine;
+        path_rung += 2;
+        if (!measure(walk, grid_rung, path_rung, &fine)) return false;
+        parts = split(coarse, fine, grid_rung == SCATTER_PIXELS);
+    } while (parts.noise > wanted && is_affordable(walk, grid_rung, path_rung + 2));
+    if (parts.cells <= CELLS_SHARE * wanted) by = find_rungs(parts.noise, wanted - parts.cells, path_rung);
+    keep(walk, grid_rung, path_rung + by, parts.cells + parts.noise * exp2(-by));
+    return true;
+}
+
+// Finer grids, until one keeps the target and the next costs more; then coarser ones.
+static bool try_grids(struct walk *walk)
+{
+    int rung = GRID_FIRST, before;
+
+    for (; rung < SCATTER_GRID_RUNGS && is_affordable(walk, rung, PATHS_FIRST + 2); rung++) {
+        if (!try_grid(walk, rung, PATHS_FIRST)) return false;
+        if (walk->finding.is_found && walk->finding.grid_rung < rung) break;
+    }
+    before = walk->finding.grid_rung;
+    for (rung = GRID_FIRST - 1; rung >= 0 && walk->finding.is_found && before == rung + 1; rung--) {
+        if (!try_grid(walk, rung, PATHS_FIRST)) return false;
+        before = walk->finding.grid_rung;
+    }
+    return true;
+}
+
+struct scatter_finding scatter_search_run(const struct scatter_search *search)
+{
+    struct walk walk = {.search = search,
+                        .finding = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST, .error = INFINITY},
+                        .cost = INFINITY,
+                        .least = INFINITY};
+
+    if (search->has_grid && !try_grids(&walk)) return walk.finding;
+    // Pixels cannot need fewer paths than one each.
+    if (walk.finding.is_found && walk.cost <= search->pixels) return walk.finding;
+    (void)try_grid(&walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST);
+    return walk.finding;
+}
