@@ -39,7 +39,7 @@ static bool load_textures(struct still_inputs *inputs, const struct job *job, st
         size_t count;
 
         if (!source->file) continue;
-        if (!texture_image_load(&image, source->file, source->is_linear, error)) return false;
+        if (!texture_image_load(&image, source, error)) return false;
         count = (size_t)image.width_px * (size_t)image.height_px;
         rgb = xcalloc(3 * count, sizeof *rgb);
         for (size_t k = 0; k < 3 * count; k++)

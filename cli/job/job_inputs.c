@@ -123,9 +123,10 @@ static bool resolve_density(const struct site *site, const struct json_node *den
     return ok;
 }
 
-static bool resolve_texture(const struct site *site, const struct json_node *texture, struct error *error)
+// An image: a texture, or a dome.
+static bool resolve_image(const struct site *site, const struct json_node *image, struct error *error)
 {
-    struct json_node file = json_node_child(texture, "file");
+    struct json_node file = json_node_child(image, "file");
     const char *path;
     char *absolute;
     bool ok;
@@ -165,10 +166,24 @@ static bool resolve_objects(char **document, const struct json_node *scene, cons
         char *texture_place = xasprintf("scene.objects[%zu].material.texture", object.index);
         char *density_place = xasprintf("scene.objects[%zu].material.interior.density", object.index);
 
-        ok = resolve_texture(&(struct site){document, folder, texture_place}, &texture, error) &&
+        ok = resolve_image(&(struct site){document, folder, texture_place}, &texture, error) &&
              resolve_density(&(struct site){document, folder, density_place}, &density, error);
         free(density_place);
         free(texture_place);
+    }
+    return ok;
+}
+
+static bool resolve_lights(char **document, const struct json_node *job, const char *folder, struct error *error)
+{
+    struct json_node lights = json_node_child(job, "lights"), light = {0};
+    bool ok = true;
+
+    while (ok && json_node_type(&lights) == JSON_ARRAY && json_node_next(&lights, &light)) {
+        char *place = xasprintf("lights[%zu]", light.index);
+
+        ok = resolve_image(&(struct site){document, folder, place}, &light, error);
+        free(place);
     }
     return ok;
 }
@@ -184,7 +199,8 @@ bool job_inputs_resolve(char **document, const char *job_path, struct error *err
     if (!json_parse(&root, *document, strlen(*document), error)) goto out;
     node = json_node_root(root);
     scene = json_node_child(&node, "scene");
-    ok = resolve_media(document, &scene, folder, error) && resolve_objects(document, &scene, folder, error);
+    ok = resolve_media(document, &scene, folder, error) && resolve_objects(document, &scene, folder, error) &&
+         resolve_lights(document, &node, folder, error);
 out:
     json_delete(root);
     free(folder);
@@ -237,6 +253,13 @@ bool job_inputs_check(const struct job *job, struct error *error)
 
         if (!file || check_file(file, error)) continue;
         error_prefix(error, "scene.objects[%zu].material.texture.file", i);
+        return false;
+    }
+    for (size_t i = 0; i < scene->light_count; i++) {
+        const char *file = scene->lights[i].dome.image.file;
+
+        if (!file || check_file(file, error)) continue;
+        error_prefix(error, "lights[%zu].file", i);
         return false;
     }
     return true;

@@ -41,7 +41,7 @@ static void print_input(const char *file, const char *what, size_t index)
     if (file) printf("%-10s %s (%s %zu)\n", "reads", file, what, index);
 }
 
-// The files that media and textures read.
+// The files that media, textures and lights read.
 static void print_inputs(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->medium_count; i++) {
@@ -55,6 +55,8 @@ static void print_inputs(const struct scene *scene)
     }
     for (size_t i = 0; i < scene->object_count; i++)
         print_input(scene->objects[i].material.texture.file, "texture of object", i);
+    for (size_t i = 0; i < scene->light_count; i++)
+        print_input(scene->lights[i].dome.image.file, "light", i);
 }
 
 static void print_step(const char *name, double metres, double voxels)

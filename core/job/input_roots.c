@@ -84,6 +84,11 @@ void job_paths_list(struct job_paths *paths, const struct job *job)
         snprintf(place, sizeof place, "scene.objects[%zu].material.texture.file", i);
         add_path(paths, place, scene->objects[i].material.texture.file);
     }
+    for (size_t i = 0; i < scene->light_count; i++) {
+        if (!scene->lights[i].dome.image.file) continue;
+        snprintf(place, sizeof place, "lights[%zu].file", i);
+        add_path(paths, place, scene->lights[i].dome.image.file);
+    }
 }
 
 void job_paths_finish(struct job_paths *paths)

@@ -215,6 +215,19 @@ static bool check_texture(const struct scene_texture *texture, const struct json
     return !texture->file || *texture->file == '/' || json_fail_expected(&file, error, "an absolute path");
 }
 
+static bool check_domes(const struct scene *scene, const struct json_node *document, struct error *error)
+{
+    struct json_node lights = json_node_child(document, "lights");
+
+    for (size_t i = 0; i < scene->light_count; i++) {
+        const char *path = scene->lights[i].dome.image.file;
+        struct json_node light = json_node_element(&lights, i), file = json_node_child(&light, "file");
+
+        if (path && *path != '/') return json_fail_expected(&file, error, "an absolute path");
+    }
+    return true;
+}
+
 bool job_check_inputs(const struct job *job, const struct json_node *document, struct error *error)
 {
     const struct scene *scene = &job->scene;
@@ -233,7 +246,7 @@ bool job_check_inputs(const struct job *job, const struct json_node *document, s
 
         if (!check_texture(&scene->objects[i].material.texture, material, error)) return false;
     }
-    return true;
+    return check_domes(scene, document, error);
 }
 
 static bool check_shown(const char *place, const char *text, struct error *error)

@@ -86,7 +86,7 @@ static void put_light(FILE *text, const struct scene_light *light)
     fprintf(text, "light %d falloff %d", (int)light->kind, (int)light->falloff);
     if (light->kind == SCENE_LIGHT_DOME) {
         fprintf(text, " dome %d visible %d", (int)light->dome.kind, light->dome.is_visible);
-        hash_text_string(text, "file", light->dome.file);
+        hash_text_string(text, "file", light->dome.image.file);
     }
     fputc('\n', text);
 }

@@ -81,10 +81,11 @@ static bool read_image(const struct scene_reader *reader, struct scene_light *li
 {
     struct json_node node = json_node_child(reader->object, "file");
 
-    if (!scene_reader_read_file(reader, FILE_IMAGE, &light->dome.file)) return false;
-    if (!file_format_find(light->dome.file)->is_linear)
+    light->dome.image = (struct scene_texture){.is_linear = true, .is_radiance = true};
+    if (!scene_reader_read_file(reader, FILE_IMAGE, &light->dome.image.file)) return false;
+    if (!file_format_find(light->dome.image.file)->is_linear)
         return json_fail_expected(&node, reader->error, "a name that ends in .exr");
-    if (input_path_is_sequence(light->dome.file))
+    if (input_path_is_sequence(light->dome.image.file))
         return json_fail(&node, reader->error, "expected one file, not one a frame");
     return scene_reader_read_or(reader, "scale", &SCENE_RADIANCE, 1.0, &light->intensity) && read_turn(reader, light);
 }

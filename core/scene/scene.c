@@ -123,7 +123,7 @@ void scene_finish(struct scene *scene)
     for (size_t i = 0; i < scene->object_count; i++)
         free(scene->objects[i].material.texture.file);
     for (size_t i = 0; i < scene->light_count; i++)
-        free(scene->lights[i].dome.file);
+        free(scene->lights[i].dome.image.file);
     *scene = (struct scene){0};
 }
 

@@ -16,7 +16,8 @@ enum {
     SCENE_OBJECT_LIMIT = 16,
     SCENE_SHAPE_LIMIT = 32, // of all objects
     SCENE_ORDER_LIMIT = 1000,
-    SCENE_ORDERS_ALL = 1000 * 1000 // stands for every order of scattering
+    SCENE_ORDERS_ALL = 1000 * 1000, // stands for every order of scattering
+    SCENE_IMAGE_RADIANCE_LIMIT = 1000 * 1000 * 1000
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
@@ -26,6 +27,18 @@ struct scene_camera {
     double clip_near, clip_far;           // distances along the ray between which media count; far may be INFINITY
     bool mirror;                          // flips image x
     double shutter;                       // frames: open from t to t + shutter / fps; [0, 1000]
+};
+
+// An image that covers a surface in tiles, its first row on top. On a plane, and on a box's face seen from outside, the
+// image's middle lies at the shape's `center` or the face's middle. Right is s = normalize(cross(a, n)), up is cross(n,
+// s), with the face's normal n and a = the world's y axis, or -z where |n.y| > 0.999. Around a sphere the image goes
+// once: u = 1/2 + atan2(x, z) / 2 pi from left to right, v = 1/2 + asin(y) / pi up, with the normal (x, y, z).
+struct scene_texture {
+    char *file;       // owned; PNG or EXR; NULL: there is none
+    double size[2];   // of a tile, m, across and up; an `up` of 0 follows from the image's aspect; unused on spheres
+    bool is_nearest;  // else bilinear
+    bool is_linear;   // values are linear; else sRGB, decoded before filtering
+    bool is_radiance; // of a dome, and only of one: values to SCENE_IMAGE_RADIANCE_LIMIT, else to 1
 };
 
 enum scene_light_kind {
@@ -51,11 +64,11 @@ enum scene_dome_kind {
 // the direction (x, y, z) towards the sky. Then it is turned by `angle` about `axis`.
 struct scene_dome {
     enum scene_dome_kind kind;
-    char *file;               // owned; an EXR; NULL: there is none
-    struct timeline opposite; // gradient: radiance, 1 or 3 components, >= 0
-    struct timeline axis;     // gradient, file; any length but 0
-    struct timeline angle;    // file, degrees
-    bool is_visible;          // it is seen behind everything
+    struct scene_texture image; // file: an EXR, bilinear; else its file is NULL
+    struct timeline opposite;   // gradient: radiance, 1 or 3 components, >= 0
+    struct timeline axis;       // gradient, file; any length but 0
+    struct timeline angle;      // file, degrees
+    bool is_visible;            // it is seen behind everything
 };
 
 struct scene_light {
@@ -109,17 +122,6 @@ struct scene_shape {
     struct timeline radius; // of a sphere, m
     struct timeline size;   // of a box: its sides along the world's axes, m
     struct timeline normal; // of a plane; any length but 0
-};
-
-// An image that covers a surface in tiles, its first row on top. On a plane, and on a box's face seen from outside, the
-// image's middle lies at the shape's `center` or the face's middle. Right is s = normalize(cross(a, n)), up is cross(n,
-// s), with the face's normal n and a = the world's y axis, or -z where |n.y| > 0.999. Around a sphere the image goes
-// once: u = 1/2 + atan2(x, z) / 2 pi from left to right, v = 1/2 + asin(y) / pi up, with the normal (x, y, z).
-struct scene_texture {
-    char *file;      // owned; PNG or EXR; NULL: there is none
-    double size[2];  // of a tile, m, across and up; an `up` of 0 follows from the image's aspect; unused on spheres
-    bool is_nearest; // else bilinear
-    bool is_linear;  // values are linear; else sRGB, decoded before filtering
 };
 
 enum scene_material_kind { SCENE_MATERIAL_DIFFUSE, SCENE_MATERIAL_MIRROR, SCENE_MATERIAL_DIELECTRIC };

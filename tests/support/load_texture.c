@@ -21,7 +21,7 @@ static void load(struct still_texture *texture, const struct scene_texture *sour
     size_t count;
     float *rgb;
 
-    if (!texture_image_load(&image, source->file, source->is_linear, &error)) fail_msg("%s", error.message);
+    if (!texture_image_load(&image, source, &error)) fail_msg("%s", error.message);
     count = (size_t)image.width_px * (size_t)image.height_px;
     rgb = xcalloc(3 * count, sizeof *rgb);
     for (size_t i = 0; i < 3 * count; ++i)
@@ -37,10 +37,14 @@ void load_texture_inputs(struct still_inputs *inputs, const struct job *job)
         if (job->scene.objects[i].material.texture.file)
             load(&inputs->textures[i], &job->scene.objects[i].material.texture);
     }
+    inputs->dome = (struct still_texture){0};
+    for (size_t i = 0; i < job->scene.light_count; ++i)
+        if (job->scene.lights[i].dome.image.file) load(&inputs->dome, &job->scene.lights[i].dome.image);
 }
 
 void load_texture_finish(struct still_inputs *inputs)
 {
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         free((void *)(uintptr_t)inputs->textures[i].rgb);
+    free((void *)(uintptr_t)inputs->dome.rgb);
 }

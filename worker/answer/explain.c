@@ -169,6 +169,16 @@ static void list_medium(const struct listing *listing, size_t i)
     if (features->media[i].scatters && features->has_lights) list_phase(listing, i);
 }
 
+static void list_dome_image(const struct listing *listing, size_t i)
+{
+    const struct texture_input *input = &listing->inputs->dome;
+    char name[64];
+
+    if (!listing->job->scene.lights[i].dome.image.file) return;
+    snprintf(name, sizeof name, "light %zu: image", i);
+    say(listing, true, name, "%d x %d pixels around the scene, filtered linearly", input->width_px, input->height_px);
+}
+
 static void list_lights(const struct listing *listing)
 {
     const struct scene_features *features = &listing->program->model.features;
@@ -183,6 +193,7 @@ static void list_lights(const struct listing *listing)
             : !features->media_are_lit   ? "that surfaces show"
             : features->surfaces_are_lit ? "that media scatter and surfaces show"
                                          : "that media scatter");
+        list_dome_image(listing, i);
     }
     say(listing, features->has_lights, "shadows", "%s",
         features->has_lights && !features->has_objects

@@ -35,16 +35,32 @@ static void drop_medium(struct truth_files *files, size_t medium)
     drop_file(&files->media[medium]);
 }
 
-static void drop_texture(struct truth_files *files, size_t object)
+// An image that is held, a texture or a dome.
+struct held {
+    struct still_texture *texture;
+    struct truth_file *file;
+};
+
+static struct held held_texture(struct truth_files *files, size_t object)
 {
-    free_values(files->inputs.textures[object].rgb);
-    files->inputs.textures[object] = (struct still_texture){0};
-    drop_file(&files->textures[object]);
+    return (struct held){&files->inputs.textures[object], &files->textures[object]};
+}
+
+static struct held held_dome(struct truth_files *files)
+{
+    return (struct held){&files->inputs.dome, &files->dome};
+}
+
+static void drop_image(struct held held)
+{
+    free_values(held.texture->rgb);
+    *held.texture = (struct still_texture){0};
+    drop_file(held.file);
 }
 
 static int64_t held_bytes(const struct truth_files *files)
 {
-    int64_t sum = 0;
+    int64_t sum = files->dome.size_bytes;
 
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; i++)
         sum += files->media[i].size_bytes;
@@ -240,23 +256,23 @@ static bool load_medium(struct truth_files *files, size_t m, const struct scene_
     return load_volume(files, m, source, error);
 }
 
-static bool load_texture(struct truth_files *files, size_t object, const struct scene_texture *source,
-                         struct error *error)
+static bool load_image(struct truth_files *files, struct held held, const struct scene_texture *source,
+                       struct error *error)
 {
-    struct truth_file *file = &files->textures[object];
+    struct truth_file *file = held.file;
     char *path = xstrdup(source->file);
     struct image image;
     float *rgb;
 
     if (is_held(file, path)) return true;
-    drop_texture(files, object);
+    drop_image(held);
     file->path = path;
     if (!file_version_find(path, &file->version, error)) return false;
-    if (!texture_image_load(&image, path, source->is_linear, error)) return false;
+    if (!texture_image_load(&image, source, error)) return false;
     rgb = reserve(files, file, 3 * (int64_t)image.width_px * image.height_px, error);
     for (size_t i = 0; rgb && i < 3 * (size_t)image.width_px * (size_t)image.height_px; i++)
         rgb[i] = image.rgba[i / 3 * 4 + i % 3];
-    if (rgb) files->inputs.textures[object] = (struct still_texture){rgb, image.width_px, image.height_px};
+    if (rgb) *held.texture = (struct still_texture){rgb, image.width_px, image.height_px};
     image_finish(&image);
     return rgb != NULL;
 }
@@ -271,7 +287,10 @@ bool truth_files_load(struct truth_files *files, const struct job *job, int32_t 
             ok = load_medium(files, i, &scene->media[i], frame, error);
     for (size_t i = 0; ok && i < scene->object_count; i++)
         if (scene->objects[i].material.texture.file)
-            ok = load_texture(files, i, &scene->objects[i].material.texture, error);
+            ok = load_image(files, held_texture(files, i), &scene->objects[i].material.texture, error);
+    for (size_t i = 0; ok && i < scene->light_count; i++)
+        if (scene->lights[i].dome.image.file)
+            ok = load_image(files, held_dome(files), &scene->lights[i].dome.image, error);
     if (!ok) truth_files_finish(files);
     return ok;
 }
@@ -281,5 +300,6 @@ void truth_files_finish(struct truth_files *files)
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; i++)
         drop_medium(files, i);
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; i++)
-        drop_texture(files, i);
+        drop_image(held_texture(files, i));
+    drop_image(held_dome(files));
 }

@@ -1,4 +1,4 @@
-// The input files of a frame, whole in memory for reference/: grids, temperatures, textures.
+// The input files of a frame, whole in memory for reference/: grids, temperatures, textures, a dome.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,7 @@ struct truth_file {
 // The zero value holds nothing.
 struct truth_files {
     struct still_inputs inputs; // owned, except `functions`, which this module never touches
-    struct truth_file media[SCENE_MEDIUM_LIMIT], textures[SCENE_OBJECT_LIMIT];
+    struct truth_file media[SCENE_MEDIUM_LIMIT], textures[SCENE_OBJECT_LIMIT], dome;
 };
 
 // Loads the files of frame `frame`. Files of the same job that are already held are read again only if their path or

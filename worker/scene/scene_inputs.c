@@ -281,6 +281,16 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
     return true;
 }
 
+// Hashes that of the files so far together with the next.
+static void add_file_hash(struct scene_inputs *inputs, const char next[static HASH_TEXT_SIZE])
+{
+    char both[2][HASH_TEXT_SIZE];
+
+    memcpy(both[0], inputs->files_hash, sizeof both[0]);
+    memcpy(both[1], next, sizeof both[1]);
+    hash_bytes(both, sizeof both, inputs->files_hash);
+}
+
 static void hash_picture(struct scene_inputs *inputs, const struct job *job)
 {
     char media[SCENE_MEDIUM_LIMIT][HASH_TEXT_SIZE] = {{0}}, textures[1 + SCENE_OBJECT_LIMIT][HASH_TEXT_SIZE] = {{0}};
@@ -296,10 +306,11 @@ static void hash_picture(struct scene_inputs *inputs, const struct job *job)
         has_textures |= inputs->textures[i].source != NULL;
     }
     memcpy(inputs->picture_hash, job->hash, sizeof inputs->picture_hash);
-    if (!has_media && !has_textures) return;
+    if (!has_media && !has_textures && !inputs->dome.source) return;
     hash_bytes(media, sizeof media, inputs->files_hash);
     memcpy(textures[0], inputs->files_hash, sizeof textures[0]);
     if (has_textures) hash_bytes(textures, sizeof textures, inputs->files_hash);
+    if (inputs->dome.source) add_file_hash(inputs, inputs->dome.hash);
     memcpy(both[0], job->hash, sizeof both[0]);
     memcpy(both[1], inputs->files_hash, sizeof both[1]);
     hash_bytes(both, sizeof both, inputs->picture_hash);
@@ -321,7 +332,7 @@ bool scene_inputs_are_lasting(const struct scene_inputs *inputs)
             return false;
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         if (inputs->textures[i].source && !is_lasting_fault(inputs->textures[i].source->file, false)) return false;
-    return true;
+    return !inputs->dome.source || is_lasting_fault(inputs->dome.source->file, false);
 }
 
 static bool open_medium(struct scene_inputs *inputs, const struct job *job, size_t medium, int32_t frame,
@@ -353,6 +364,18 @@ static bool open_texture(struct scene_inputs *inputs, const struct job *job, siz
     return false;
 }
 
+static bool open_dome(struct scene_inputs *inputs, const struct job *job, size_t light, const struct scene_files *files,
+                      bool *is_lasting, struct error *error)
+{
+    const struct scene_texture *image = &job->scene.lights[light].dome.image;
+
+    if (!image->file) return true;
+    if (texture_input_open(&inputs->dome, image, files ? files->hashes : NULL, error)) return true;
+    error_prefix(error, "lights[%zu].file", light);
+    *is_lasting = is_lasting_fault(image->file, false);
+    return false;
+}
+
 bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
                        const struct scene_files *files, bool *is_lasting, struct error *error)
 {
@@ -366,6 +389,8 @@ bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32
         if (!open_medium(inputs, job, i, frame, files, is_lasting, error)) goto fail;
     for (size_t i = 0; i < job->scene.object_count; ++i)
         if (!open_texture(inputs, job, i, files, is_lasting, error)) goto fail;
+    for (size_t i = 0; i < job->scene.light_count; ++i)
+        if (!open_dome(inputs, job, i, files, is_lasting, error)) goto fail;
     if (!resolve_quality(inputs, job, error)) goto fail;
     if (files) hash_picture(inputs, job);
     return true;

@@ -1,4 +1,4 @@
-// Files that a frame reads, for media and textures: what they hold, and what follows for the march.
+// Files that a frame reads, for media, textures and a dome: what they hold, and what follows for the march.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -47,6 +47,7 @@ struct scene_inputs {
     struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
     struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object
+    struct texture_input dome;                         // of the scene's one dome, if it shows an image
     bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; set by scene_visibility_find
     // The job's quality with its steps in metres.
     struct job_quality quality;

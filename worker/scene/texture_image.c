@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/scene/file_format.h"
+#include "core/scene/scene.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 #include "worker/picture/image_png_read.h"
@@ -28,7 +29,7 @@ struct format {
     const char *magic;
     size_t magic_bytes; // at most MAGIC_LIMIT
     bool (*find_size)(int fd, int *width_px, int *height_px, struct error *error);
-    bool (*read)(int fd, bool is_linear, struct image *image, struct error *error);
+    bool (*read)(int fd, const struct scene_texture *texture, struct image *image, struct error *error);
 };
 
 enum { MAGIC_LIMIT = 8 };
@@ -53,17 +54,17 @@ static bool find_png_size(int fd, int *width_px, int *height_px, struct error *e
     return true;
 }
 
-static void tell_value(const struct image *image, size_t pixel, size_t channel, struct error *error)
+static void tell_value(const struct image *image, size_t pixel, size_t channel, double limit, struct error *error)
 {
     float value = image->rgba[4 * pixel + channel];
     size_t width = (size_t)image->width_px;
 
-    error_set(error, "channel %c at pixel (%zu, %zu) is %g: expected a value in [0, 1]", "RGB"[channel], pixel % width,
-              pixel / width, (double)value);
+    error_set(error, "channel %c at pixel (%zu, %zu) is %g: expected a value in [0, %.10g]", "RGB"[channel],
+              pixel % width, pixel / width, (double)value, limit);
 }
 
 // NaN is in no interval.
-static bool check_values(const struct image *image, struct error *error)
+static bool check_values(const struct image *image, double limit, struct error *error)
 {
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
 
@@ -71,8 +72,8 @@ static bool check_values(const struct image *image, struct error *error)
         for (size_t c = 0; c < 3; c++) {
             float value = image->rgba[4 * i + c];
 
-            if (value >= 0.0f && value <= 1.0f) continue;
-            tell_value(image, i, c, error);
+            if (value >= 0.0f && (double)value <= limit) continue;
+            tell_value(image, i, c, limit, error);
             return false;
         }
     return true;
@@ -87,20 +88,22 @@ static void decode(struct image *image)
             image->rgba[4 * i + c] = (float)srgb_decode((double)image->rgba[4 * i + c]);
 }
 
-static bool read_exr(int fd, bool is_linear, struct image *image, struct error *error)
+static bool read_exr(int fd, const struct scene_texture *texture, struct image *image, struct error *error)
 {
+    double limit = texture->is_radiance ? SCENE_IMAGE_RADIANCE_LIMIT : 1.0;
+
     if (!image_exr_read(fd, image, NULL, READER_THREADS, error)) return false;
-    if (!check_values(image, error)) {
+    if (!check_values(image, limit, error)) {
         image_finish(image);
         return false;
     }
-    if (!is_linear) decode(image);
+    if (!texture->is_linear) decode(image);
     return true;
 }
 
-static bool read_png(int fd, bool is_linear, struct image *image, struct error *error)
+static bool read_png(int fd, const struct scene_texture *texture, struct image *image, struct error *error)
 {
-    return image_png_read(fd, is_linear, image, NULL, error);
+    return image_png_read(fd, texture->is_linear, image, NULL, error);
 }
 
 // Each format with FILE_IMAGE in core/scene/file_format.c is a row.
@@ -128,14 +131,14 @@ static const struct format *find_format(int fd, struct error *error)
     return NULL;
 }
 
-static bool read_image(int fd, struct image *image, bool is_linear, struct error *error)
+static bool read_image(int fd, struct image *image, const struct scene_texture *texture, struct error *error)
 {
     const struct format *format = find_format(fd, error);
     int width_px, height_px;
 
     if (!format || !format->find_size(fd, &width_px, &height_px, error)) return false;
     if (!volume_memory_check((int64_t)width_px * height_px * PIXEL_BYTES, volume_memory_limit(), error)) return false;
-    return format->read(fd, is_linear, image, error);
+    return format->read(fd, texture, image, error);
 }
 
 static int open_file(const char *path, struct error *error)
@@ -167,15 +170,15 @@ bool texture_image_find_size(const char *path, int *width_px, int *height_px, st
     return ok;
 }
 
-bool texture_image_load(struct image *image, const char *path, bool is_linear, struct error *error)
+bool texture_image_load(struct image *image, const struct scene_texture *texture, struct error *error)
 {
-    int fd = open_file(path, error);
+    int fd = open_file(texture->file, error);
     bool ok;
 
     *image = (struct image){0};
     if (fd < 0) return false;
-    ok = read_image(fd, image, is_linear, error);
-    if (!ok) error_prefix(error, "%s", path);
+    ok = read_image(fd, image, texture, error);
+    if (!ok) error_prefix(error, "%s", texture->file);
     close(fd);
     return ok;
 }

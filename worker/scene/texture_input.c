@@ -17,7 +17,10 @@ static bool hash_contents(struct texture_input *input, struct file_hashes *hashe
     char *text;
 
     if (!file_hashes_find(hashes, input->source->file, &input->version, hash, error)) return false;
-    text = xasprintf("%s texture %s", hash, input->source->is_linear ? "linear" : "srgb");
+    text = xasprintf("%s texture %s", hash,
+                     input->source->is_radiance ? "radiance"
+                     : input->source->is_linear ? "linear"
+                                                : "srgb");
     hash_bytes(text, strlen(text), input->hash);
     free(text);
     return true;
@@ -45,7 +48,7 @@ bool texture_input_open(struct texture_input *input, const struct scene_texture 
 
 bool texture_input_load(const struct texture_input *input, struct image *image, struct error *error)
 {
-    if (!texture_image_load(image, input->source->file, input->source->is_linear, error)) return false;
+    if (!texture_image_load(image, input->source, error)) return false;
     if (check_version(input, error)) return true;
     image_finish(image);
     return false;

@@ -1,4 +1,4 @@
-// File of an object's texture: what it holds, and the size of its tiles.
+// File of an object's texture or of a dome: what it holds, and the size of a texture's tiles.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@ struct error;
 struct image;
 struct scene_texture;
 
-// The zero value is that of an object without a texture.
+// The zero value is that of an object without a texture, and of a scene without such a dome.
 struct texture_input {
     const struct scene_texture *source; // borrowed from the job; NULL: there is none
     int width_px, height_px;

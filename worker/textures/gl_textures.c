@@ -15,8 +15,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Twice what a frame has, so one is empty or idle.
-enum { KEPT_LIMIT = 2 * SCENE_OBJECT_LIMIT };
+enum {
+    DOME = SCENE_OBJECT_LIMIT, // its place among the frame's images; before it, by object
+    IMAGE_LIMIT = SCENE_OBJECT_LIMIT + 1,
+    KEPT_LIMIT = 2 * IMAGE_LIMIT // twice what a frame has, so one is empty or idle
+};
 
 // Limits the images that the frame does not need but a later one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 28;
@@ -94,16 +97,32 @@ struct reading {
     void *user;
 };
 
-static bool bind_object(struct gl_textures *textures, const struct scene_inputs *inputs, size_t object,
-                        const struct reading *reading, struct error *error)
+// The zero value, with no source, where there is none.
+static const struct texture_input *image_of(const struct scene_inputs *inputs, size_t image)
 {
-    const struct texture_input *input = &inputs->textures[object];
+    return image == DOME ? &inputs->dome : &inputs->textures[image];
+}
+
+static void name_place(const struct scene_inputs *inputs, size_t image, struct error *error)
+{
+    if (image != DOME) {
+        error_prefix(error, "scene.objects[%zu].material.texture.file", image);
+        return;
+    }
+    for (size_t i = 0; i < inputs->scene->light_count; ++i)
+        if (inputs->scene->lights[i].dome.image.file) error_prefix(error, "lights[%zu].file", i);
+}
+
+static bool bind_image(struct gl_textures *textures, const struct scene_inputs *inputs, size_t image,
+                       const struct reading *reading, struct error *error)
+{
+    const struct texture_input *input = image_of(inputs, image);
     int index = lru_find(&textures->lru, input->hash);
 
     if (index < 0) {
         index = read_texture(textures, input, error);
         if (index < 0) {
-            error_prefix(error, "scene.objects[%zu].material.texture.file", object);
+            name_place(inputs, image, error);
             return false;
         }
         if (reading->on_progress && !reading->on_progress(reading->user)) {
@@ -111,14 +130,15 @@ static bool bind_object(struct gl_textures *textures, const struct scene_inputs 
             return false;
         }
     }
-    textures->gl->BindTextureUnit(texture_unit_of_object(object), textures->names[index]);
+    textures->gl->BindTextureUnit(image == DOME ? TEXTURE_UNIT_DOME : texture_unit_of_object(image),
+                                  textures->names[index]);
     return true;
 }
 
-static bool is_first_of_its_image(const struct scene_inputs *inputs, size_t object)
+static bool is_first_of_its_image(const struct scene_inputs *inputs, size_t image)
 {
-    for (size_t i = 0; i < object; ++i)
-        if (inputs->textures[i].source && strcmp(inputs->textures[i].hash, inputs->textures[object].hash) == 0)
+    for (size_t i = 0; i < image; ++i)
+        if (image_of(inputs, i)->source && strcmp(image_of(inputs, i)->hash, image_of(inputs, image)->hash) == 0)
             return false;
     return true;
 }
@@ -128,11 +148,11 @@ static bool check_memory(const struct scene_inputs *inputs, struct error *error)
 {
     int64_t size_bytes = 0;
 
-    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
-        if (inputs->textures[i].source && is_first_of_its_image(inputs, i))
-            size_bytes += (int64_t)size_of(&inputs->textures[i]);
+    for (size_t i = 0; i < IMAGE_LIMIT; ++i)
+        if (image_of(inputs, i)->source && is_first_of_its_image(inputs, i))
+            size_bytes += (int64_t)size_of(image_of(inputs, i));
     if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
-    error_prefix(error, "scene.objects: the textures");
+    error_prefix(error, "%s", inputs->dome.source ? "the images of the scene" : "scene.objects: the textures");
     return false;
 }
 
@@ -143,11 +163,11 @@ bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *i
     bool are_there = true;
 
     lru_begin(&textures->lru);
-    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
-        if (inputs->textures[i].source) are_there &= lru_find(&textures->lru, inputs->textures[i].hash) >= 0;
+    for (size_t i = 0; i < IMAGE_LIMIT; ++i)
+        if (image_of(inputs, i)->source) are_there &= lru_find(&textures->lru, image_of(inputs, i)->hash) >= 0;
     // Finding the limit takes as long as drawing a hundred pixels.
     if (!are_there && !check_memory(inputs, error)) return false;
-    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
-        if (inputs->textures[i].source && !bind_object(textures, inputs, i, &reading, error)) return false;
+    for (size_t i = 0; i < IMAGE_LIMIT; ++i)
+        if (image_of(inputs, i)->source && !bind_image(textures, inputs, i, &reading, error)) return false;
     return true;
 }

@@ -314,6 +314,39 @@ static void missing_files_of_objects_are_named(void **state)
     free(text);
 }
 
+static void file_of_a_dome_is_relative_to_the_job_file(void **state)
+{
+    char *text = json_edit_set(job_text_fog, "lights", "[{\"kind\":\"dome\",\"file\":\"../skies/noon.exr\"}]");
+    char *expected = xasprintf("\"file\":\"%s\"", temp_folder_path(state, "skies/noon.exr")), *document;
+
+    assert_int_equal(mkdir(temp_folder_path(state, "jobs"), 0700), 0);
+    assert_int_equal(mkdir(temp_folder_path(state, "skies"), 0700), 0);
+    write_file(state, "jobs/job.json", text, strlen(text));
+    document = job_document_load(temp_folder_path(state, "jobs/job.json"), NULL, 0, NULL);
+    assert_non_null(document);
+    if (!strstr(document, expected)) fail_msg("%s", document);
+    free(document);
+    free(expected);
+    free(text);
+}
+
+static void missing_file_of_a_dome_is_named(void **state)
+{
+    char *path = xstrdup(temp_folder_path(state, "noon.exr")),
+         *expected = xasprintf("lights[1].file: %s: No such", path);
+    struct error error = {0};
+    struct job job = {0};
+
+    job.scene.light_count = 2;
+    job.scene.lights[1].dome.image.file = path;
+    assert_false(job_inputs_check(&job, &error));
+    if (strncmp(error.message, expected, strlen(expected)) != 0) fail_msg("%s", error.message);
+    write_file(state, "noon.exr", "x", 1);
+    assert_true(job_inputs_check(&job, &error));
+    free(expected);
+    free(path);
+}
+
 static void glsl_of_an_interior_becomes_part_of_the_job(void **state)
 {
     char *text = json_edit_set(job_text_glsl, "scene",
@@ -349,6 +382,8 @@ int main(void)
         WITH_FOLDER(files_of_objects_are_relative_to_the_job_file),
         WITH_FOLDER(absolute_paths_of_textures_stay),
         WITH_FOLDER(missing_files_of_objects_are_named),
+        WITH_FOLDER(file_of_a_dome_is_relative_to_the_job_file),
+        WITH_FOLDER(missing_file_of_a_dome_is_named),
         WITH_FOLDER(glsl_of_an_interior_becomes_part_of_the_job),
     };
 

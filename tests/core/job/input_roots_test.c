@@ -100,6 +100,32 @@ static void what_is_below_no_root_is_refused_with_its_place(void **state)
         "scene.objects[0].material.texture.file: expected a file below /in or /usr/share, got \"/home/b.png\"" WHO);
 }
 
+static void a_dome_is_read_below_a_root(void **state)
+{
+    struct path_list roots = make_roots("/in", "/usr/share");
+    struct job_inputs inputs;
+    struct job_paths paths;
+    struct error error = {0};
+    struct job job = {0};
+
+    job.scene.light_count = 2;
+    job.scene.lights[1].dome.image.file = (char *)"/in/skies/noon.exr";
+    job_paths_list(&paths, &job);
+    if (!input_roots_find(&inputs, &paths, &roots, &error)) fail_msg("%s", error.message);
+    assert_int_equal(inputs.count, 1);
+    assert_string_equal(inputs.inputs[0].place, "lights[1].file");
+    assert_string_equal(inputs.inputs[0].folder, "skies");
+    job_inputs_finish(&inputs);
+    job_paths_finish(&paths);
+    job.scene.lights[1].dome.image.file = (char *)"/etc/noon.exr";
+    job_paths_list(&paths, &job);
+    assert_false(input_roots_find(&inputs, &paths, &roots, &error));
+    assert_string_equal(error.message,
+                        "lights[1].file: expected a file below /in or /usr/share, got \"/etc/noon.exr\"" WHO);
+    job_paths_finish(&paths);
+    path_list_finish(&roots);
+}
+
 static void paths_with_tricks_are_refused(void **state)
 {
     static const char *const paths[] = {"/in/../etc/shadow", "/in/./a", "/in//a", "//in/a", "in/a",
@@ -193,6 +219,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_has_a_root_and_a_folder_below_it),
         cmocka_unit_test(what_is_below_no_root_is_refused_with_its_place),
+        cmocka_unit_test(a_dome_is_read_below_a_root),
         cmocka_unit_test(paths_with_tricks_are_refused),
         cmocka_unit_test_setup_teardown(a_folder_is_opened_below_its_root, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_file_that_is_a_link_out_of_its_root_is_refused, temp_folder_create,

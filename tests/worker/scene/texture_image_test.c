@@ -2,11 +2,12 @@
 #include "worker/scene/texture_image.h"
 
 #include "core/base/error.h"
+#include "core/scene/scene.h"
+#include "tests/support/exr_maker.h"
 #include "tests/support/png_maker.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
 #include "worker/picture/image.h"
-#include "worker/picture/image_exr.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -31,49 +32,41 @@ static float value_at(size_t i)
 static char *write_exr(void **state, enum job_pixel pixel, float special)
 {
     char *path = strdup(temp_folder_path(state, "texture.exr"));
-    const struct image_exr_header header = {.pixel = pixel,
-                                            .compression = JOB_COMPRESSION_ZIP,
-                                            .fps_numerator = 24,
-                                            .fps_denominator = 1,
-                                            .owner = "",
-                                            .job_hash = "",
-                                            .method = "",
-                                            .backend = "",
-                                            .renderer = "",
-                                            .shader_hash = ""};
-    int fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    struct error error = {{0}};
-    struct image image;
+    float rgb[WIDTH * HEIGHT * 3];
 
-    assert_true(image_init(&image, WIDTH, HEIGHT, false, false, NULL));
-    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT * 4; i++)
-        image.rgba[i] = value_at(i);
-    image.rgba[4 * (2 * WIDTH + 3) + 1] = special;
-    if (!image_exr_write(fd, &image, &header, 1, &error)) fail_msg("%s", error.message);
-    image_finish(&image);
-    close(fd);
+    for (size_t i = 0; i < sizeof rgb / sizeof rgb[0]; i++)
+        rgb[i] = value_at(i / 3 * 4 + i % 3);
+    rgb[3 * (2 * WIDTH + 3) + 1] = special;
+    exr_maker_write(path, WIDTH, HEIGHT, pixel, rgb);
     return path;
 }
 
 static void load(struct image *image, const char *path, bool is_linear)
 {
+    const struct scene_texture texture = {.file = (char *)path, .is_linear = is_linear};
     struct error error = {{0}};
     int width, height;
 
-    if (!texture_image_load(image, path, is_linear, &error)) fail_msg("%s", error.message);
+    if (!texture_image_load(image, &texture, &error)) fail_msg("%s", error.message);
     assert_true(texture_image_find_size(path, &width, &height, NULL));
     assert_true(width == image->width_px && height == image->height_px);
 }
 
-static void expect_error(const char *path, const char *wanted)
+static void expect_texture_error(const struct scene_texture *texture, const char *wanted)
 {
+    const char *path = texture->file;
     struct error error = {{0}};
     struct image image;
 
-    assert_false(texture_image_load(&image, path, true, &error));
+    assert_false(texture_image_load(&image, texture, &error));
     assert_null(image.rgba);
     assert_true(strncmp(error.message, path, strlen(path)) == 0);
     if (!strstr(error.message, wanted)) fail_msg("expected \"%s\", got \"%s\"", wanted, error.message);
+}
+
+static void expect_error(const char *path, const char *wanted)
+{
+    expect_texture_error(&(struct scene_texture){.file = (char *)path, .is_linear = true}, wanted);
 }
 
 static double light_of(double value)
@@ -140,6 +133,31 @@ static void values_that_are_no_albedo_are_named(void **state)
     }
 }
 
+static void radiance_is_not_limited_by_albedo(void **state)
+{
+    static const struct {
+        float value;
+        const char *message;
+    } wrong[] = {{2e9f, "channel G at pixel (3, 2) is 2e+09: expected a value in [0, 1000000000]"},
+                 {-0.25f, "channel G at pixel (3, 2) is -0.25: "},
+                 {NAN, "channel G at pixel (3, 2) is nan: "},
+                 {INFINITY, "channel G at pixel (3, 2) is inf: "}};
+    struct scene_texture texture = {.is_linear = true, .is_radiance = true};
+    struct error error = {{0}};
+    struct image image;
+
+    texture.file = write_exr(state, JOB_PIXEL_FLOAT, 1e5f);
+    if (!texture_image_load(&image, &texture, &error)) fail_msg("%s", error.message);
+    assert_true(image.rgba[4 * (2 * WIDTH + 3) + 1] == 1e5f);
+    image_finish(&image);
+    free(texture.file);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        texture.file = write_exr(state, JOB_PIXEL_FLOAT, wrong[i].value);
+        expect_texture_error(&texture, wrong[i].message);
+        free(texture.file);
+    }
+}
+
 static void damaged_files_are_refused(void **state)
 {
     char *path = write_exr(state, JOB_PIXEL_HALF, 1);
@@ -172,6 +190,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(exr_gives_its_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(png_gives_its_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(values_that_are_no_albedo_are_named, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(radiance_is_not_limited_by_albedo, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(damaged_files_are_refused, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(what_is_no_file_is_refused, temp_folder_create, temp_folder_destroy),
     };

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"
+#include "tests/support/exr_maker.h"
 #include "tests/support/png_maker.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
@@ -124,6 +125,66 @@ static void missing_or_damaged_texture_is_named(void **state)
     free(file);
 }
 
+// A scene whose second light is a dome that shows an image.
+static struct job make_dome_job(char *file)
+{
+    struct job job = {.hash = "0123456789abcdef0123456789abcdef"};
+
+    job.scene.light_count = 2;
+    job.scene.lights[1] = (struct scene_light){
+        .kind = SCENE_LIGHT_DOME,
+        .dome = {.kind = SCENE_DOME_FILE, .image = {.file = file, .is_linear = true, .is_radiance = true}}};
+    return job;
+}
+
+static void picture_depends_on_what_a_dome_shows(void **state)
+{
+    static const float dim[] = {1, 2, 3, 4, 5, 6}, bright[] = {1, 2, 3e5f, 4, 5, 6};
+    char *file = strdup(temp_folder_path(state, "sky.exr"));
+    struct file_hashes *hashes = file_hashes_create();
+    char first[HASH_TEXT_SIZE], again[HASH_TEXT_SIZE];
+    struct job job = make_dome_job(file);
+
+    exr_maker_write(file, 2, 1, JOB_PIXEL_FLOAT, dim);
+    read_hash(&job, hashes, first);
+    assert_string_not_equal(first, job.hash);
+    read_hash(&job, hashes, again);
+    assert_string_equal(again, first);
+    exr_maker_write(file, 2, 1, JOB_PIXEL_FLOAT, bright);
+    read_hash(&job, hashes, again);
+    assert_string_not_equal(again, first);
+    file_hashes_destroy(hashes);
+    free(file);
+}
+
+static void dome_is_read_and_its_faults_name_it(void **state)
+{
+    static const float dim[] = {1, 2, 3, 4, 5, 6};
+    char *file = strdup(temp_folder_path(state, "sky.exr"));
+    struct file_hashes *hashes = file_hashes_create();
+    struct job job = make_dome_job(file);
+    struct error error = {{0}};
+    struct scene_inputs inputs;
+    struct image image;
+    bool is_lasting;
+
+    exr_maker_write(file, 2, 1, JOB_PIXEL_FLOAT, dim);
+    assert_true(scene_inputs_open(&inputs, &job, 0, &(struct scene_files){.hashes = hashes}, NULL, NULL));
+    assert_true(inputs.dome.width_px == 2 && inputs.dome.height_px == 1);
+    assert_true(texture_input_load(&inputs.dome, &image, NULL));
+    assert_near(image.rgba[4 + 2], 6, 0);
+    image_finish(&image);
+    assert_false(scene_inputs_are_lasting(&inputs)); // just written
+    scene_inputs_finish(&inputs);
+    assert_int_equal(unlink(file), 0);
+    assert_false(scene_inputs_open(&inputs, &job, 0, NULL, &is_lasting, &error));
+    assert_non_null(strstr(error.message, "lights[1].file: "));
+    assert_non_null(strstr(error.message, "sky.exr: No such file"));
+    assert_true(is_lasting);
+    file_hashes_destroy(hashes);
+    free(file);
+}
+
 static void tile_has_the_shape_of_its_image(void **state)
 {
     char *file = write_texture(state, "a.png", black);
@@ -150,10 +211,9 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
-        TEST(picture_depends_on_what_a_texture_holds),
-        TEST(changed_texture_is_noticed),
-        TEST(missing_or_damaged_texture_is_named),
-        TEST(tile_has_the_shape_of_its_image),
+        TEST(picture_depends_on_what_a_texture_holds), TEST(changed_texture_is_noticed),
+        TEST(missing_or_damaged_texture_is_named),     TEST(picture_depends_on_what_a_dome_shows),
+        TEST(dome_is_read_and_its_faults_name_it),     TEST(tile_has_the_shape_of_its_image),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
