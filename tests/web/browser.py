@@ -31,7 +31,7 @@ for program in (CHROMIUM, DRIVER):
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("PROGRAM_FOLDER", ROOT / "build/clang/bin"))
-PATIENCE_S = 300  # a guard against what never happens, not a measure: machines are slow and busy
+PATIENCE_S = float(os.environ.get("PATIENCE_S", 300))  # a guard against what never happens, not a measure: machines are slow and busy
 
 
 def wait_until(what, found, within_s=None):

@@ -74,7 +74,7 @@ class LoadTest(unittest.TestCase):
         page.keys("/", "job77")
         page.has(f"111 of {JOBS:,}", ".sum")
         page.keys(*[Keys.BACKSPACE] * 5, Keys.ESCAPE, Keys.END)
-        page.has("job0", ".row.active")
+        page.has("job0", ".row[aria-selected=true]")
         page.keys(Keys.ENTER)
         page.has("job0", ".job h1")
 
@@ -134,7 +134,7 @@ class RenderedTest(unittest.TestCase):
         page = self.page
         page.go(f"#/jobs/{self.job}/plots")
         page.has("tolerance 10 %, 0 frames over it")
-        shown = page.run("return globalThis.Chart.getChart(document.querySelectorAll('.plot canvas')[1])"
+        shown = page.run("return globalThis.Chart.getChart(document.querySelectorAll('.chart canvas')[1])"
                          ".data.datasets.map((one) => [one.label, one.data.length])")
         self.assertEqual(shown, [["error", 12], ["95 % bound", 12], ["tolerance", 2]])
         self.assertEqual(page.complaints(), [])

@@ -157,6 +157,26 @@ class PageTest(unittest.TestCase):
         page.has("succeeded 5", ".legend")
         page.driver.get_log("browser")  # it complained about the connection
 
+    def test_pages_that_lost_the_farm_together_come_back_apart(self):
+        """Fifty connections that break in one instant, many times: their waits differ, grow, and end at some length."""
+        waits = self.page.driver.execute_async_script("""
+            const done = arguments[0];
+            import('/page/farm.js').then(({ Farm }) => {
+              const farms = Array.from({ length: 50 }, () => new Farm());
+              done(Array.from({ length: 12 }, () => farms.map((farm) => {
+                const begin = Date.now();
+                farm.retry('a test');
+                clearTimeout(farm.timer);
+                return farm.retryAt - begin;
+              })));
+            });""")
+        for longest, each in zip((1, 2, 4, 8, 15, 15, 15), waits):
+            spread = max(each) - min(each)
+            self.assertGreater(spread, longest * 1000 / 2, each)
+            self.assertTrue(all(200 <= wait <= longest * 1000 + 250 for wait in each), each)
+            self.assertGreater(len({round(wait / (longest * 20)) for wait in each}), 20, each)
+        self.assertLessEqual(max(max(each) for each in waits), 15250)
+
     def test_workers_are_told(self):
         page = self.page
         page.go("#/workers")

@@ -1,11 +1,9 @@
 // What was planned for a job, what march explain says of it, and its document.
-import { View, el, facts, count, percent, table } from "./dom.js";
+import { View, el, button, hint, facts, count, percent, table } from "./dom.js";
 import { getAnswer } from "./frame.js";
 import { editDocument } from "./submit.js";
 
 const short = (_, value) => (typeof value === "number" ? Number(value.toPrecision(4)) : value);
-
-const hint = (text) => el("p", { class: "hint" }, text);
 const notAllowed = () => hint("Only its owner and administrators may read a job's document.");
 
 async function explain({ id, shown }) {
@@ -22,11 +20,7 @@ async function explain({ id, shown }) {
 }
 
 export class Plans extends View {
-  constructor(view) {
-    super();
-    this.view = view;
-    this.root = el("div", null, hint("The farm is asked."));
-  }
+  root = el("div", null, hint("The farm is asked."));
 
   async show() {
     if (!this.view.shown) return; // it is shown again when the job is known
@@ -41,15 +35,16 @@ export class Plans extends View {
 }
 
 export class JobDocument extends View {
-  constructor({ shown }) {
-    super();
-    const { document } = shown ?? {}, text = document && JSON.stringify(document, null, 2);
-    const link = text && el("a", { class: "button", download: `${shown.name}.json`,
-      href: URL.createObjectURL(new Blob([text], { type: "application/json" })) }, "Save");
-    this.root = text ? el("div", null, el("div", { class: "tools" }, link,
-      el("button", { type: "button", onclick: () => navigator.clipboard.writeText(text) }, "Copy"),
-      el("button", { type: "button", onclick: () => editDocument(document) }, "Submit a changed one…")),
-        el("pre", { class: "code", tabindex: "0" }, text))
-      : notAllowed();
+  root = el("div");
+
+  show() {
+    const { document, name } = this.view.shown ?? {}, text = document && JSON.stringify(document, null, 2);
+    if (!text) return this.root.replaceChildren(notAllowed());
+    const href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
+    this.root.replaceChildren(el("div", { class: "tools" },
+      el("a", { class: "button", download: `${name}.json`, href }, "Save"),
+      button("Copy", () => navigator.clipboard.writeText(text)),
+      button("Submit a changed one…", () => editDocument(document))),
+    el("pre", { class: "code", tabindex: "0", role: "region", "aria-label": "The job's document" }, text));
   }
 }

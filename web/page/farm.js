@@ -1,41 +1,36 @@
 // The connection to the farm: calls, events, and what is known of jobs and workers. It comes back by itself.
+import { once } from "./dom.js";
 
-const PAGE = 1000, FIRST_PAGE = 100, RETRY_S = [0.5, 1, 2, 4, 8];
+const PAGE = 1000, FIRST_PAGE = 100, WORKERS_S = 1, LEAST_RETRY_S = 0.2, MOST_RETRY_S = 15;
 
 export class Farm extends EventTarget {
-  constructor() {
-    super();
-    this.jobs = new Map(); // by id
-    this.workers = new Map();
-    this.status = null; // of daemon.status
-    this.session = null; // {user, scope, expires}
-    this.state = "connecting"; // or live, lost, closed (no session)
-    this.total = 0; // of jobs, while they are loaded
-    this.isLoaded = false;
-    this.watched = new Map(); // job id -> listener of its frames' events
-    this.pending = new Map();
-    this.changed = new Set(); // ids of jobs, since listeners were told
-    this.tries = 0;
-    this.lastId = 0;
-    setInterval(() => this.state === "live" && !document.hidden && this.askStatus(), 5000);
-  }
+  jobs = new Map(); // by id
+  workers = new Map();
+  status = null; // of daemon.status
+  session = null; // {user, scope, expires}
+  state = "connecting"; // or live, lost, closed (no session)
+  total = 0; // of jobs, while they are loaded
+  isLoaded = false;
+  fresh = new Set(); // ids of jobs that were told of since loading began
+  watched = new Map(); // job id -> listener of its frames' events
+  pending = new Map();
+  changed = new Set(); // ids of jobs, since listeners were told
+  tries = 0;
+  lastId = 0;
 
-  // Tells listeners at most once between two pictures of the screen.
+  tell = once(() => {
+    const detail = this.changed;
+    this.changed = new Set();
+    this.dispatchEvent(new CustomEvent("change", { detail }));
+  });
+
   note(what) {
     this.changed.add(what);
-    if (this.isNoted) return;
-    this.isNoted = true;
-    requestAnimationFrame(() => {
-      const changed = this.changed;
-      this.changed = new Set();
-      this.isNoted = false;
-      this.dispatchEvent(new CustomEvent("change", { detail: changed }));
-    });
+    this.tell();
   }
 
   setState(state, why = "") {
-    this.state = state;
-    this.why = why;
+    Object.assign(this, { state, why });
     this.dispatchEvent(new Event("state"));
   }
 
@@ -49,16 +44,17 @@ export class Farm extends EventTarget {
     } catch (error) {
       return this.retry(error.message);
     }
-    const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`, "marchd");
+    const socket = new WebSocket("/ws", "marchd");
     socket.onopen = () => this.begin(socket);
     socket.onmessage = (event) => this.hear(JSON.parse(event.data));
-    socket.onclose = (event) => this.socket === socket || !this.socket ? this.retry(event.code === 1013 ?
-      "the daemon is away" : "the connection broke") : null;
+    socket.onclose = ({ code }) => (!this.socket || this.socket === socket)
+      && this.retry(code === 1013 ? "the daemon is away" : "the connection broke");
     this.socket = socket;
   }
 
+  // The wait doubles, and is drawn anew each time: pages that lost the farm together do not come back together.
   retry(why) {
-    const wait = RETRY_S[Math.min(this.tries++, RETRY_S.length - 1)];
+    const longest = Math.min(MOST_RETRY_S, 2 ** this.tries++), wait = LEAST_RETRY_S + Math.random() * longest;
     for (const { reject } of this.pending.values()) reject(new Error("the connection broke"));
     this.pending.clear();
     this.socket = null;
@@ -67,14 +63,13 @@ export class Farm extends EventTarget {
     this.timer = setTimeout(() => this.connect(), wait * 1000);
   }
 
-  async begin() {
+  async begin(socket) {
     try {
       await this.call("events.subscribe", { frames: false });
       await Promise.all([...this.watched.keys()].map((id) => this.call("events.subscribe", { id })));
       await Promise.all([this.askStatus(), this.loadWorkers(), this.loadJobs()]);
-    } catch (error) {
-      this.socket?.close(); // the next try says why
-      this.why = error.message;
+    } catch {
+      socket.close(); // the next try says why
     }
   }
 
@@ -90,39 +85,26 @@ export class Farm extends EventTarget {
     if (message.method === "event") return this.hearEvent(message.params);
     const asked = this.pending.get(message.id);
     this.pending.delete(message.id);
-    if (message.error) asked?.reject(Object.assign(new Error(message.error.message), { code: message.error.code }));
+    if (message.error) asked?.reject(new Error(message.error.message));
     else asked?.resolve(message.result);
   }
 
   hearEvent(event) {
-    if (event.type === "job") this.putJob(event.job);
-    else if (event.type === "worker") this.putWorker(event.worker);
-    else if (event.type === "deleted") {
-      this.jobs.delete(event.id);
-      this.touched?.set(event.id, "deleted");
-      this.note(event.id);
-    } else this.watched.get(event.id)?.(event);
-  }
-
-  putJob(job) {
-    this.jobs.set(job.id, job);
-    this.touched?.set(job.id, "changed");
-    this.note(job.id);
-  }
-
-  putWorker(worker) {
-    if (worker.state === "stopping" || worker.state === "gone") this.askWorkersSoon();
-    this.workers.set(worker.id, worker);
-    this.note("workers");
+    const { type, job, worker, id = job?.id } = event;
+    if (worker) {
+      if (worker.state === "stopping" || worker.state === "gone") this.askWorkersSoon();
+      this.workers.set(worker.id, worker);
+      return this.note("workers");
+    }
+    if (type !== "job" && type !== "deleted") return this.watched.get(id)?.(event);
+    if (job) this.jobs.set(id, job);
+    else this.jobs.delete(id);
+    this.fresh.add(id);
+    this.note(id);
   }
 
   // A worker that is gone leaves no event that says so for each kind of end: the list is asked again.
-  askWorkersSoon() {
-    this.workersTimer ??= setTimeout(() => {
-      this.workersTimer = null;
-      this.loadWorkers().catch(() => {});
-    }, 1000);
-  }
+  askWorkersSoon = once(() => this.loadWorkers().catch(() => {}), (act) => setTimeout(act, WORKERS_S * 1000));
 
   async askStatus() {
     this.status = await this.call("daemon.status");
@@ -135,17 +117,16 @@ export class Farm extends EventTarget {
     this.note("workers");
   }
 
-  // The newest first, page by page, so that the first ones show at once. Jobs of which an event came meanwhile are
-  // asked once more: whether the page or the event is the newer one is not known.
+  // The newest first, page by page, so that the first ones show at once. What an event says of a job is kept: if the
+  // page is newer, another event comes.
   async loadJobs() {
-    const seen = new Set();
-    this.touched = new Map();
     let cursor;
+    this.fresh.clear();
     do {
-      const page = await this.call("job.list", { order: "-id", limit: seen.size ? PAGE : FIRST_PAGE, cursor });
+      const page = await this.call("job.list", { order: "-id", limit: cursor ? PAGE : FIRST_PAGE, cursor });
       for (const job of page.jobs) {
-        seen.add(job.id);
-        if (!this.touched.has(job.id)) this.jobs.set(job.id, job);
+        if (!this.fresh.has(job.id)) this.jobs.set(job.id, job);
+        this.fresh.add(job.id);
       }
       cursor = page.next ?? undefined;
       this.total = page.total;
@@ -156,12 +137,7 @@ export class Farm extends EventTarget {
       }
       this.note("jobs");
     } while (cursor);
-    for (const id of this.jobs.keys()) if (!seen.has(id) && !this.touched.has(id)) this.jobs.delete(id);
-    const touched = [...this.touched.keys()];
-    this.touched = null;
-    for (let i = 0; i < touched.length; i += PAGE)
-      for (const job of (await this.call("job.list", { ids: touched.slice(i, i + PAGE) })).jobs)
-        this.jobs.set(job.id, job);
+    for (const id of this.jobs.keys()) if (!this.fresh.has(id)) this.jobs.delete(id);
     this.note("jobs");
   }
 
@@ -172,7 +148,6 @@ export class Farm extends EventTarget {
   }
 
   unwatch(id) {
-    if (!this.watched.delete(id) || this.state !== "live") return;
-    this.call("events.unsubscribe", { id }).catch(() => {});
+    if (this.watched.delete(id) && this.state === "live") this.call("events.unsubscribe", { id }).catch(() => {});
   }
 }

@@ -1,28 +1,27 @@
 // Plays the frames that are done, while others arrive.
-import { View, el, count } from "./dom.js";
+import { View, el, button, clamp, count } from "./dom.js";
 import { pictureUrl, getAnswer } from "./frame.js";
 
 const SIZE_PX = 960, AHEAD = 12, KEPT = 120, AT_ONCE = 3, FPS = 24;
 
 export class Flipbook extends View {
-  constructor(view) {
-    super();
-    Object.assign(this, { view, map: view.map, at: 0, pictures: new Map(), waiting: new Set(), exposure: null });
-    this.canvas = el("canvas", { class: "flip", role: "img", "aria-label": "The frame that is shown" });
-    this.button = el("button", { type: "button", class: "main", title: "Key: Space",
-      onclick: () => this.play(!this.isPlaying) });
-    this.slider = el("input", { type: "range", min: "0", value: "0", "aria-label": "Frame",
-      oninput: () => this.goto(Number(this.slider.value)) });
-    this.fps = el("input", { type: "number", min: "1", max: "60", value: `${view.shown?.document?.fps ?? FPS}`,
-      "aria-label": "Frames a second" });
-    this.stops = el("input", { type: "number", step: "0.1", min: "-16", max: "16",
-      "aria-label": "Exposure in stops", onchange: () => this.expose() });
-    this.told = el("p", { class: "tell" });
-    this.root = el("div", { class: "flipbook" }, this.told, el("div", { class: "tools" }, this.button, this.slider,
-      el("label", null, this.fps, " fps"), el("label", null, "exposure ", this.stops),
-      el("button", { type: "button", onclick: () => this.done.length && view.openFrame(this.frame) },
-        "Open this frame")), this.canvas);
-  }
+  at = 0;
+  done = []; // numbers of the frames that are
+  pictures = new Map(); // by frame
+  waiting = new Set(); // frames whose pictures were asked for
+  exposure = null; // one for all frames, so that nothing flickers: that of the first, or one set by hand
+  canvas = el("canvas", { class: "flip", role: "img", "aria-label": "The frame that is shown" });
+  button = button("", () => this.play(!this.isPlaying), { class: "main", title: "Key: Space" });
+  slider = el("input", { type: "range", min: "0", value: "0", "aria-label": "Frame",
+    oninput: () => this.goto(Number(this.slider.value)) });
+  fps = el("input", { type: "number", min: "1", max: "60", value: `${this.view.shown?.document?.fps ?? FPS}`,
+    "aria-label": "Frames a second" });
+  stops = el("input", { type: "number", step: "0.1", min: "-16", max: "16", "aria-label": "Exposure in stops",
+    onchange: () => this.expose() });
+  told = el("p", { class: "tell" });
+  root = el("div", { class: "flipbook" }, this.told, el("div", { class: "tools" }, this.button, this.slider,
+    el("label", null, this.fps, " fps"), el("label", null, "exposure ", this.stops),
+    button("Open this frame", () => this.done.length && this.view.openFrame(this.frame))), this.canvas);
 
   show() {
     this.on(this.map, "change", () => this.list());
@@ -38,24 +37,26 @@ export class Flipbook extends View {
 
   get frame() { return this.done[this.at]; }
 
-  // One exposure for all frames, so that nothing flickers: that of the first, or one set by hand.
   expose() {
     this.exposure = this.stops.value === "" ? null : Number(this.stops.value);
     this.drop();
     this.draw();
   }
 
-  drop() {
-    for (const picture of this.pictures.values()) picture.close();
-    this.pictures.clear();
+  // Gives up the oldest pictures.
+  drop(kept = 0) {
+    for (const [frame, picture] of this.pictures) {
+      if (this.pictures.size <= kept) break;
+      this.pictures.delete(frame);
+      picture.close();
+    }
   }
 
   list() {
-    const frame = this.done?.[this.at];
-    this.done = this.map.isLoaded ? this.map.numbers.filter((_, index) => this.map.isDone(index)) : [];
-    this.at = Math.max(0, this.done.indexOf(frame));
+    const { frame } = this;
+    this.done = this.map.isLoaded ? this.map.framesOf("succeeded", "skipped", "missed") : [];
     this.slider.max = `${Math.max(0, this.done.length - 1)}`;
-    this.draw();
+    this.goto(Math.max(0, this.done.indexOf(frame)));
   }
 
   goto(at) {
@@ -72,8 +73,8 @@ export class Flipbook extends View {
 
   // A frame that is not loaded yet is waited for.
   tick() {
-    const next = this.done.length ? (this.at + 1) % this.done.length : 0;
-    if (this.pictures.get(this.done[next])) this.goto(next);
+    const next = (this.at + 1) % this.done.length;
+    if (this.pictures.has(this.done[next])) this.goto(next);
     else this.load();
     if (this.isPlaying) this.timer = setTimeout(() => this.tick(), 1000 / Math.max(1, Number(this.fps.value) || FPS));
   }
@@ -81,14 +82,13 @@ export class Flipbook extends View {
   draw() {
     this.slider.value = `${this.at}`;
     if (!this.done.length) return void (this.told.textContent = "No frame is done yet.");
-    const picture = this.pictures.get(this.frame);
+    const { canvas, frame } = this, picture = this.pictures.get(frame);
     const place = `${count(this.at + 1)} of ${count(this.done.length)} that are done`;
-    this.told.textContent = `Frame ${this.frame}, ${place}${picture ? "" : ", loading"}`;
-    this.slider.setAttribute("aria-valuetext", `frame ${this.frame}`);
+    this.told.textContent = `Frame ${frame}, ${place}${picture ? "" : ", loading"}`;
+    this.slider.setAttribute("aria-valuetext", `frame ${frame}`);
     if (picture) {
-      if (this.canvas.width !== picture.width) this.canvas.width = picture.width;
-      if (this.canvas.height !== picture.height) this.canvas.height = picture.height;
-      this.canvas.getContext("2d").drawImage(picture, 0, 0);
+      Object.assign(canvas, { width: picture.width, height: picture.height });
+      canvas.getContext("2d").drawImage(picture, 0, 0);
     }
     this.load();
   }
@@ -99,11 +99,7 @@ export class Flipbook extends View {
       const frame = this.done[(this.at + i) % this.done.length];
       if (!this.pictures.has(frame) && !this.waiting.has(frame)) this.fetch(frame);
     }
-    for (const [frame, picture] of this.pictures) {
-      if (this.pictures.size <= KEPT) break;
-      this.pictures.delete(frame);
-      picture.close();
-    }
+    this.drop(KEPT);
   }
 
   async fetch(frame) {
@@ -118,8 +114,7 @@ export class Flipbook extends View {
       this.stops.value = this.exposure.toFixed(1);
     } catch (error) {
       this.told.textContent = `Frame ${frame}: ${error.message}`;
-      this.play(false);
-      return;
+      return this.play(false);
     } finally {
       this.waiting.delete(frame);
     }
@@ -128,11 +123,11 @@ export class Flipbook extends View {
     else this.load();
   }
 
-  onKey(event) {
-    const { key } = event, last = this.done.length - 1;
+  onKey({ key, target }) {
+    const last = this.done.length - 1;
     const moves = { ArrowLeft: this.at - 1, ArrowRight: this.at + 1, Home: 0, End: last };
-    if (key === " " && event.target.localName !== "button") this.play(!this.isPlaying);
-    else if (key in moves && last >= 0) this.goto(Math.min(last, Math.max(0, moves[key])));
+    if (key === " " && target.localName !== "button") this.play(!this.isPlaying);
+    else if (key in moves && last >= 0) this.goto(clamp(moves[key], 0, last));
     else return false;
     return true;
   }

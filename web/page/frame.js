@@ -1,5 +1,6 @@
 // One frame: its picture, log, attempts and header.
-import { View, el, facts, stateMark, table, duration, percent, size, time } from "./dom.js";
+import { View, el, button, checkbox, clamp, select, facts, hint, stateMark, table, duration, percent, size, time }
+  from "./dom.js";
 import { parseRange } from "./ranges.js";
 
 const ZOOMS = [0, 0.5, 1, 2, 4, 8, 16], MOST_PX = 4096, STOPS = 16;
@@ -18,40 +19,29 @@ export async function getAnswer(url) {
 }
 
 export class FrameView extends View {
-  constructor(farm, job, frame) {
-    super();
-    Object.assign(this, { farm, id: job, frame });
-    this.head = el("h1");
-    this.facts = el("div");
-    this.picture = el("img", { class: "picture", draggable: false });
-    this.box = el("div", { class: "picturebox", tabindex: "0", role: "group", "aria-label": "Picture",
-      ondblclick: () => this.zoomBy(1),
-      onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.drag(event),
-        onpointerup: () => this.drop() }, this.picture);
-    this.note = el("p", { class: "hint", role: "status" });
-    this.log = el("div");
-    this.header = el("div");
-    this.picture.onload = () => this.place();
-    this.picture.onerror = () => getAnswer(this.picture.src).catch((error) => (this.note.textContent = error.message));
-    this.root = el("section", { class: "frame", "aria-label": "Frame" }, this.head, this.facts, this.makeTools(),
-      this.note, this.box,
-      el("h2", null, "Attempts and their logs"), this.log, el("h2", null, "Header of the file"), this.header);
-  }
-
-  makeTools() {
-    this.channel = el("select", { "aria-label": "Channel", onchange: () => this.set({ channel: this.channel.value }) });
-    this.exposure = el("input", { type: "range", min: `${-STOPS}`, max: `${STOPS}`, step: "0.25", value: "0",
-      "aria-label": "Exposure in stops", oninput: () => this.set({ exposure: Number(this.exposure.value) }) });
-    this.auto = el("input", { type: "checkbox", checked: true,
-      onchange: () => this.set({ exposure: this.auto.checked ? null : Number(this.exposure.value) }) });
-    this.zoom = el("select", { "aria-label": "Zoom", onchange: () => this.set({ zoom: Number(this.zoom.value) }) },
-      ZOOMS.map((zoom) => el("option", { value: `${zoom}` }, zoom ? `${zoom * 100} %` : "all of it")));
-    this.stops = el("output");
-    return el("div", { class: "tools" }, el("button", { type: "button", title: "Key: ←",
-      onclick: () => this.step(-1) }, "‹ before"),
-      el("button", { type: "button", title: "Key: →", onclick: () => this.step(1) }, "after ›"), this.channel,
-      el("label", null, "exposure ", this.exposure), this.stops, el("label", null, this.auto, " by itself"), this.zoom);
-  }
+  head = el("h1");
+  facts = el("div");
+  picture = el("img", { class: "picture", draggable: false, onload: () => this.place(),
+    onerror: () => getAnswer(this.picture.src).catch((error) => (this.note.textContent = error.message)) });
+  box = el("div", { class: "picturebox", tabindex: "0", role: "group", "aria-label": "Picture",
+    ondblclick: () => this.zoomBy(1), onpointerdown: (event) => this.grab(event),
+    onpointermove: (event) => this.drag(event), onpointerup: (event) => this.drop(event) }, this.picture);
+  note = hint("", { role: "status" });
+  log = el("div");
+  header = el("div");
+  channel = select("Channel", [], "", (channel) => this.set({ channel }));
+  exposure = el("input", { type: "range", min: `${-STOPS}`, max: `${STOPS}`, step: "0.25", value: "0",
+    "aria-label": "Exposure in stops", oninput: () => this.set({ exposure: Number(this.exposure.value) }) });
+  auto = checkbox("by itself", { onchange: ({ target }) =>
+    this.set({ exposure: target.checked ? null : Number(this.exposure.value) }) });
+  zoom = select("Zoom", ZOOMS.map((zoom) => [`${zoom}`, zoom ? `${zoom * 100} %` : "all of it"]), "",
+    (zoom) => this.set({ zoom: Number(zoom) }));
+  stops = el("output");
+  root = el("section", { class: "frame", "aria-label": "Frame" }, this.head, this.facts, el("div", { class: "tools" },
+    button("‹ before", () => this.step(-1), { title: "Key: ←" }), button("after ›", () => this.step(1),
+      { title: "Key: →" }), this.channel, el("label", null, "exposure ", this.exposure), this.stops, this.auto,
+    this.zoom), this.note, this.box,
+  el("h2", null, "Attempts and their logs"), this.log, el("h2", null, "Header of the file"), this.header);
 
   get title() { return `Frame ${this.frame} of job ${this.id}`; }
 
@@ -73,14 +63,13 @@ export class FrameView extends View {
   // Another frame of the job keeps the view.
   follow(hash) {
     const match = new RegExp(`^#/jobs/${this.id}/frames/(-?\\d+)$`).exec(hash);
-    if (!match) return false;
-    this.frame = Number(match[1]);
-    this.load();
-    return true;
+    if (match) this.load(Number(match[1]));
+    return Boolean(match);
   }
 
-  async load() {
-    const { farm, id, frame } = this;
+  async load(frame = this.frame) {
+    const { farm, id } = this;
+    this.frame = frame;
     try {
       const [job, { frames }, { attempts }] = await Promise.all([farm.jobs.get(id) ?? farm.call("job.show", { id }),
         farm.call("job.frames", { id, range: `${frame}`, limit: 1 }), farm.call("job.log", { id, frame })]);
@@ -115,7 +104,7 @@ export class FrameView extends View {
     const rows = attempts.map((attempt) => [`${attempt.attempt}`, time(attempt.ended), `${attempt.worker}`,
       attempt.outcome, el("pre", null, attempt.log || "–")]);
     this.log.replaceChildren(rows.length ? table("Attempts", ["Attempt", "Ended", "Worker", "Outcome", "Log"], rows)
-      : el("p", { class: "hint" }, "No attempt failed."));
+      : hint("No attempt failed."));
   }
 
   async loadPicture(frame) {
@@ -127,9 +116,8 @@ export class FrameView extends View {
     const { channels, attributes, compression, width_px: width, height_px: height } = this.about;
     const names = new Set(channels.map(({ name }) => name.replace(/^[RGB]$/, "color").replace(/\.[RGB]$/, "")));
     if (!names.has(look.channel)) look.channel = "color";
-    const option = (value, text) => el("option", { value, selected: value === look.channel }, text);
-    this.channel.replaceChildren(...[...names].map((name) => option(name,
-      { color: "colour", A: "alpha", Z: "Z (depth)" }[name] ?? name)));
+    this.channel.replaceChildren(...[...names].map((value) => el("option", { value, selected: value === look.channel },
+      { color: "colour", A: "alpha", Z: "Z (depth)" }[value] ?? value)));
     this.header.replaceChildren(facts([["Size", `${width} × ${height}`], ["Compression", compression],
       ["Channels", channels.map(({ name, pixel }) => `${name} (${pixel})`).join(", "), "long"],
       ...Object.entries(attributes).map(([name, value]) => [name, typeof value === "object" ? JSON.stringify(value)
@@ -144,30 +132,27 @@ export class FrameView extends View {
   }
 
   zoomBy(step) {
-    this.set({ zoom: ZOOMS[Math.min(ZOOMS.length - 1, Math.max(0, ZOOMS.indexOf(look.zoom) + step))] });
+    this.set({ zoom: ZOOMS[clamp(ZOOMS.indexOf(look.zoom) + step, 0, ZOOMS.length - 1)] });
   }
 
-  // The part of the picture that is asked for: all of it, or as much as the box shows at this zoom.
+  // Asks for as much of the picture as the box shows at this zoom.
   draw() {
     if (!this.about || this.box.hidden || !this.box.clientWidth) return;
     const { width_px: width, height_px: height } = this.about, wide = this.box.clientWidth;
-    const tall = Math.max(120, Math.min(innerHeight * 0.7, (wide * height) / width));
+    const tall = clamp((wide * height) / width, 120, innerHeight * 0.7);
     this.box.style.height = `${tall}px`;
     this.zoom.value = `${look.zoom}`;
-    this.auto.checked = look.exposure === null;
+    this.auto.firstChild.checked = look.exposure === null;
     this.exposure.value = `${look.exposure ?? 0}`;
     this.stops.textContent = look.exposure === null ? "" : `${look.exposure > 0 ? "+" : ""}${look.exposure}`;
-    const params = { channel: look.channel, exposure: look.exposure };
-    this.shown = { w: width, h: height, scale: Math.min(wide / width, tall / height) };
-    if (look.zoom) {
-      const w = Math.min(width, Math.ceil(wide / look.zoom)), h = Math.min(height, Math.ceil(tall / look.zoom));
-      const x = Math.round(Math.min(width - w, Math.max(0, look.x * width - w / 2))),
-        y = Math.round(Math.min(height - h, Math.max(0, look.y * height - h / 2)));
-      this.shown = { w, h, scale: look.zoom };
-      Object.assign(look, { x: (x + w / 2) / width, y: (y + h / 2) / height });
-      Object.assign(params, { x, y, w, h, size: Math.min(MOST_PX, Math.max(w, h)) });
-    } else params.size = Math.min(MOST_PX, Math.max(width, height), Math.ceil(Math.max(wide, tall) * devicePixelRatio));
-    const url = pictureUrl(this.id, this.frame, params);
+    const { channel, exposure } = look, scale = look.zoom || Math.min(wide / width, tall / height);
+    const w = Math.min(width, Math.ceil(wide / scale)), h = Math.min(height, Math.ceil(tall / scale));
+    const x = Math.round(clamp(look.x * width - w / 2, 0, width - w)),
+      y = Math.round(clamp(look.y * height - h / 2, 0, height - h));
+    this.shown = { w, h, scale };
+    Object.assign(look, { x: (x + w / 2) / width, y: (y + h / 2) / height });
+    const size = Math.min(MOST_PX, Math.max(w, h));
+    const url = pictureUrl(this.id, this.frame, { channel, exposure, x, y, w, h, size });
     if (this.url === url) return this.place();
     this.url = url;
     clearTimeout(this.timer);
@@ -178,9 +163,7 @@ export class FrameView extends View {
   place() {
     const { w, h, scale } = this.shown;
     this.note.textContent = "";
-    this.picture.style.width = `${w * scale}px`;
-    this.picture.style.height = `${h * scale}px`;
-    this.picture.style.transform = "";
+    Object.assign(this.picture.style, { width: `${w * scale}px`, height: `${h * scale}px`, translate: "" });
     this.picture.classList.toggle("pixels", scale >= 2);
   }
 
@@ -192,19 +175,16 @@ export class FrameView extends View {
   grab(event) {
     if (!look.zoom) return;
     this.box.setPointerCapture(event.pointerId);
-    this.grabbed = { x: event.clientX, y: event.clientY, dx: 0, dy: 0 };
+    this.moved = (now) => [now.clientX - event.clientX, now.clientY - event.clientY];
   }
 
   drag(event) {
-    if (!this.grabbed) return;
-    this.grabbed.dx = event.clientX - this.grabbed.x;
-    this.grabbed.dy = event.clientY - this.grabbed.y;
-    this.picture.style.transform = `translate(${this.grabbed.dx}px, ${this.grabbed.dy}px)`;
+    if (this.moved) this.picture.style.translate = this.moved(event).map((by) => `${by}px`).join(" ");
   }
 
-  drop() {
-    if (this.grabbed) this.pan(this.grabbed.dx, this.grabbed.dy);
-    this.grabbed = null;
+  drop(event) {
+    if (this.moved) this.pan(...this.moved(event));
+    this.moved = null;
   }
 
   step(by) {
@@ -219,8 +199,8 @@ export class FrameView extends View {
     else if (key === "ArrowLeft" || key === "ArrowRight") this.step(key === "ArrowLeft" ? -1 : 1);
     else if (key === "+" || key === "=" || key === "-") this.zoomBy(key === "-" ? -1 : 1);
     else if (key === "0") this.set({ zoom: 0 });
-    else if (key === "[" || key === "]") this.set({ exposure: Math.max(-STOPS,
-      Math.min(STOPS, (look.exposure ?? 0) + (key === "[" ? -0.5 : 0.5))) });
+    else if (key === "[" || key === "]")
+      this.set({ exposure: clamp((look.exposure ?? 0) + (key === "[" ? -0.5 : 0.5), -STOPS, STOPS) });
     else if (key === "a") this.set({ exposure: look.exposure === null ? 0 : null });
     else return false;
     return true;

@@ -1,38 +1,39 @@
 // One job: what it is, what can be done with it, and its frames, flipbook, plots, plan and document.
-import { View, el, facts, stateMark, doneOf, isOver, count, duration, percent, rate, time } from "./dom.js";
+import { View, el, facts, hint, markCurrent, stateMark, doneOf, isOver, count, duration, percent, rate, time }
+  from "./dom.js";
 import { actionButtons, keyAction } from "./actions.js";
 import { paceOf, phaseText, errorText, progressBar } from "./jobs.js";
 import { FrameMap } from "./framemap.js";
 import { FrameGrid } from "./grid.js";
 import { formatRange } from "./ranges.js";
 
-const tabs = [["frames", "Frames", "f"], ["flipbook", "Flipbook", "b"], ["plots", "Plots", "g"],
-  ["plan", "Plan", "x"], ["document", "Document", "d"]];
+// Name, title and key of each; what makes its content is not loaded before.
+const tabs = [
+  ["frames", "Frames", "f", () => FrameGrid],
+  ["flipbook", "Flipbook", "b", async () => (await import("./flipbook.js")).Flipbook],
+  ["plots", "Plots", "g", async () => (await import("./plots.js")).Plots],
+  ["plan", "Plan", "x", async () => (await import("./document.js")).Plans],
+  ["document", "Document", "d", async () => (await import("./document.js")).JobDocument],
+];
 
 export class JobView extends View {
-  constructor(farm, id, tab) {
-    super();
-    Object.assign(this, { farm, id, tab: tab ?? "frames", title: `Job ${id}` });
-    this.map = new FrameMap(farm, id);
-    this.head = el("div", { class: "head" });
-    this.buttons = actionButtons(farm);
-    this.tabs = el("div", { class: "tabs", role: "tablist", "aria-label": "About this job",
-      onkeydown: (event) => this.onTabKey(event) },
-      tabs.map(([name, title, key]) => el("a", { role: "tab", id: `tab-${name}`, href: this.hash(name),
-        title: `Key: ${key}`, "aria-controls": "panel" }, title)));
-    this.panel = el("div", { id: "panel", role: "tabpanel" });
-    this.root = el("section", { class: "job", "aria-label": "Job" }, this.head, this.buttons, this.tabs, this.panel);
-  }
+  title = `Job ${this.id}`;
+  map = new FrameMap({ farm: this.farm, id: this.id });
+  head = el("div");
+  buttons = actionButtons(this.farm);
+  tabs = el("nav", { class: "tabs", "aria-label": "About this job" },
+    tabs.map(([name, title, key]) => el("a", { href: this.hash(name), title: `Key: ${key}` }, title)));
+  panel = el("div", { id: "panel" });
+  root = el("section", { class: "job", "aria-label": "Job" }, this.head, this.buttons, this.tabs, this.panel);
 
   hash(tab) { return `#/jobs/${this.id}${tab === "frames" ? "" : `/${tab}`}`; }
-
   get job() { return this.farm.jobs.get(this.id) ?? this.shown; }
 
   async show() {
     this.on(this.farm, "change", ({ detail }) => detail.has(this.id) && this.drawHead());
     this.on(this.farm, "state", () => this.farm.state === "live" && !this.isOpen && this.load());
     if (this.job) this.drawHead();
-    else this.head.replaceChildren(el("p", { class: "hint" }, "The farm is asked."));
+    else this.head.replaceChildren(hint("The farm is asked."));
     this.selectTab(this.tab);
     if (this.farm.state === "live") await this.load();
   }
@@ -41,7 +42,8 @@ export class JobView extends View {
     this.isOpen = true;
     try {
       this.shown = await this.farm.call("job.show", { id: this.id });
-      await this.map.open();
+      if (this.isHidden) return;
+      await this.map.show();
       this.drawHead(); // with the frames that failed
       this.selectTab(this.tab);
     } catch (error) {
@@ -52,44 +54,28 @@ export class JobView extends View {
   hide() {
     super.hide();
     this.content?.hide();
-    this.map.close();
+    this.map.hide();
   }
 
-  focus() {
-    (this.content?.canvas ?? this.tabs.querySelector("[aria-selected=true]"))?.focus({ preventScroll: true });
-  }
-
+  focus() { this.tabs.querySelector("[aria-current]").focus({ preventScroll: true }); }
   openFrame(frame) { location.hash = `#/jobs/${this.id}/frames/${frame}`; }
 
   // Another tab of the same job keeps the view.
   follow(hash) {
     const found = tabs.find(([name]) => this.hash(name) === hash);
-    if (!found) return false;
-    this.selectTab(found[0]);
-    return true;
+    if (found) this.selectTab(found[0]);
+    return Boolean(found);
   }
 
-  async selectTab(tab) {
+  async selectTab(tab = "frames") {
     this.tab = tab;
-    for (const link of this.tabs.children) {
-      const isSelected = link.id === `tab-${tab}`;
-      link.setAttribute("aria-selected", String(isSelected));
-      link.tabIndex = isSelected ? 0 : -1;
-    }
-    this.panel.setAttribute("aria-labelledby", `tab-${tab}`);
-    const make = {
-      frames: () => new FrameGrid(this.map, () => this.job, (frame) => this.openFrame(frame)),
-      flipbook: async () => new (await import("./flipbook.js")).Flipbook(this),
-      plots: async () => new (await import("./plots.js")).Plots(this),
-      plan: async () => new (await import("./document.js")).Plans(this),
-      document: async () => new (await import("./document.js")).JobDocument(this),
-    }[tab];
-    const content = await make();
+    markCurrent(this.tabs, (href) => href === this.hash(tab));
+    const Content = await tabs.find(([name]) => name === tab)[3]();
     if (this.tab !== tab) return;
     this.content?.hide();
-    this.content = content;
-    this.panel.replaceChildren(content.root);
-    content.show();
+    this.content = new Content({ view: this, map: this.map });
+    this.panel.replaceChildren(this.content.root);
+    this.content.show();
   }
 
   drawHead() {
@@ -98,10 +84,11 @@ export class JobView extends View {
     if (this.shown && this.farm.isLoaded && !this.farm.jobs.has(this.id)) return this.drawDeleted();
     this.title = `Job ${job.id}, ${job.name}`;
     const counts = ["queued", "running", "succeeded", "skipped", "failed", "canceled"].filter((state) => job[state]);
+    const failed = job.failed && this.map.isLoaded ? this.map.framesOf("failed").slice(0, 2000) : [];
     this.head.replaceChildren(
       el("h1", null, el("span", { class: "number" }, `${job.id} `), job.name, " ", stateMark(job.state)),
       job.reason ? el("p", { class: "why" }, job.reason) : "",
-      job.comment ? el("p", { class: "hint" }, job.comment) : "",
+      job.comment ? hint(job.comment) : "",
       el("div", { class: "bar" }, progressBar(job),
         el("span", null, `${count(doneOf(job))} of ${count(job.frames)} frames`)),
       facts([
@@ -113,34 +100,18 @@ export class JobView extends View {
         ["Priority", `${job.priority}`], ["Pool", job.pool], ["Tags", job.tags?.join(", ")],
         ["Submitted", time(job.submitted)], ["Started", time(job.started)], ["Finished", time(job.finished)],
         ["Output", el("code", null, job.output), "long"],
-      ]), this.failures());
+      ]), failed.length ? el("p", { class: "wrong" }, `✗ Failed: ${formatRange(failed).slice(0, 400)}`) : "");
     this.buttons.refresh(job);
   }
 
   drawDeleted() {
-    this.map.close();
+    this.map.hide();
     this.root.replaceChildren(el("h1", null, `Job ${this.id}`), el("p", { class: "why" }, "The job is deleted."),
       el("a", { href: "#/jobs" }, "All jobs"));
   }
 
-  failures() {
-    if (!this.job.failed || !this.map.isLoaded) return "";
-    const failed = this.map.framesOf("failed");
-    return el("p", { class: "wrong" }, `✗ Failed: ${formatRange(failed.slice(0, 2000)).slice(0, 400)}`);
-  }
-
-  onTabKey(event) {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    if (!step) return;
-    const at = tabs.findIndex(([name]) => name === this.tab), next = tabs[(at + step + tabs.length) % tabs.length][0];
-    location.hash = this.hash(next);
-    this.tabs.querySelector(`#tab-${next}`).focus();
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
   onKey(event) {
-    if (this.tab !== "frames" && this.content?.onKey?.(event)) return true;
+    if (this.content?.onKey?.(event)) return true;
     const tab = tabs.find(([, , key]) => key === event.key);
     if (tab) location.hash = this.hash(tab[0]);
     return Boolean(tab) || keyAction(this.farm, this.job, event.key);

@@ -1,11 +1,12 @@
 // The list of jobs: ten thousands of rows, of which those in sight are made.
-import { View, el, stateMark, doneOf, isOver, count, duration, percent, rate, time } from "./dom.js";
+import { View, el, button, checkbox, clamp, select, hint, once, stateMark, doneOf, isOver, count, duration, percent,
+  rate, time } from "./dom.js";
 import { keyAction } from "./actions.js";
 
 const SORT_MS = 500, SPARE_ROWS = 6;
 const stateOrder = ["running", "queued", "paused", "failed", "canceled", "succeeded"];
 const chosen = { text: "", state: "", mine: false, sort: "id", isDown: true, active: null, scroll: 0 };
-
+const nameLink = (job) => el("a", { tabindex: "-1", href: `#/jobs/${job.id}` }, job.name);
 export const paceOf = (job) => (job.running && job.seconds_per_frame ? job.running / job.seconds_per_frame : 0);
 
 export function phaseText(job) {
@@ -21,63 +22,44 @@ export function errorText(job) {
   return parts.join(" ") || (job.draft ? "draft" : "–");
 }
 
-export function progressBar(job) {
-  const bar = el("progress", { max: 1, "aria-label": "Progress" });
-  setProgress(bar, job);
-  return bar;
-}
+export const progressBar = (job) =>
+  el("progress", { max: 1, "aria-label": "Progress", value: job.frames ? doneOf(job) / job.frames : 0 });
 
-const setProgress = (bar, job) => (bar.value = job.frames ? doneOf(job) / job.frames : 0);
+const progressText = (job) =>
+  `${count(doneOf(job))}/${count(job.frames)}${job.failed ? ` ✗${count(job.failed)}` : ""}`;
 
+// What a cell shows is `text` of the job, and that is what jobs are sorted by, where the column has no `sort`.
 const columns = [
-  { key: "id", title: "Job", sort: (job) => job.id, text: (job) => `${job.id}` },
-  { key: "name", title: "Name", sort: (job) => job.name, text: (job) => job.name, isLink: true },
-  { key: "owner", title: "Owner", sort: (job) => job.owner, text: (job) => job.owner },
-  { key: "state", title: "State", sort: (job) => stateOrder.indexOf(job.state), isState: true },
-  { key: "reason", title: "Why", sort: (job) => job.reason ?? "", text: (job) => job.reason ?? "" },
-  { key: "phase", title: "Phase", sort: (job) => job.phase ?? "", text: phaseText },
-  { key: "progress", title: "Progress", sort: (job) => doneOf(job) / job.frames, isProgress: true },
-  { key: "rate", title: "Frames", sort: paceOf, text: (job) => rate(paceOf(job)) },
-  { key: "eta", title: "ETA", sort: (job) => job.eta_s ?? Infinity, text: (job) => isOver(job) ? ""
-    : duration(job.eta_s) },
-  { key: "error", title: "Error", sort: (job) => job.measured_error ?? -1, text: errorText },
-  { key: "method", title: "Method", sort: (job) => job.method ?? "", text: (job) => job.method ?? "–" },
-  { key: "priority", title: "Prio", sort: (job) => job.priority, text: (job) => `${job.priority}` },
-  { key: "submitted", title: "Submitted", sort: (job) => job.submitted, text: (job) => time(job.submitted) },
+  { key: "id", title: "Job", text: (job) => job.id },
+  { key: "name", title: "Name", text: (job) => job.name, content: nameLink },
+  { key: "owner", title: "Owner", text: (job) => job.owner },
+  { key: "state", title: "State", text: (job) => job.state, content: (job) => stateMark(job.state),
+    sort: (job) => stateOrder.indexOf(job.state) },
+  { key: "reason", title: "Why", text: (job) => job.reason ?? "" },
+  { key: "phase", title: "Phase", text: phaseText },
+  { key: "progress", title: "Progress", text: progressText, content: (job) => [progressBar(job), progressText(job)],
+    sort: (job) => doneOf(job) / job.frames },
+  { key: "rate", title: "Frames", text: (job) => rate(paceOf(job)), sort: paceOf },
+  { key: "eta", title: "ETA", text: (job) => (isOver(job) ? "" : duration(job.eta_s)),
+    sort: (job) => job.eta_s ?? Infinity },
+  { key: "error", title: "Error", text: errorText, sort: (job) => job.measured_error ?? -1 },
+  { key: "method", title: "Method", text: (job) => job.method ?? "–" },
+  { key: "priority", title: "Prio", text: (job) => job.priority },
+  { key: "submitted", title: "Submitted", text: (job) => time(job.submitted), sort: (job) => job.submitted },
 ];
 
-function makeRow(index) {
-  const row = el("div", { class: "row", role: "row", id: `row${index}` });
-  row.cells = columns.map((column) => {
-    const cell = el("div", { class: `cell ${column.key}`, role: "gridcell" });
-    if (column.isLink) cell.append(el("a", { tabindex: "-1" }));
-    if (column.isProgress) cell.append(el("progress", { max: 1, "aria-label": "Progress" }), el("span"));
-    row.append(cell);
-    return cell;
-  });
-  return row;
-}
+const makeRow = (number) => el("div", { class: "row", role: "row", id: `row${number}` },
+  columns.map(({ key }) => el("div", { class: `cell ${key}`, role: "gridcell", "--area": key })));
 
-const setText = (node, text) => node.textContent !== text && (node.textContent = text);
-
+// Only what differs is written: the browser draws rows in sight anew many times a second.
 function fillRow(row, job) {
   row.job = job;
-  columns.forEach((column, i) => {
-    const cell = row.cells[i];
-    if (column.isState) {
-      if (cell.dataset.state !== job.state) cell.replaceChildren(stateMark(job.state));
-      cell.dataset.state = job.state;
-    } else if (column.isProgress) {
-      setProgress(cell.firstChild, job);
-      const failed = job.failed ? ` ✗${count(job.failed)}` : "";
-      setText(cell.lastChild, `${count(doneOf(job))}/${count(job.frames)}${failed}`);
-    } else if (column.isLink) {
-      setText(cell.firstChild, column.text(job));
-      cell.firstChild.href = `#/jobs/${job.id}`;
-    } else {
-      setText(cell, column.text(job));
-      if (column.key === "reason") cell.title = job.reason ?? "";
-    }
+  columns.forEach(({ text, content }, i) => {
+    const cell = row.children[i], shown = `${text(job)}`, key = content ? `${job.id} ${shown}` : shown;
+    if (cell.key === key) return;
+    cell.key = key;
+    cell.replaceChildren(...[content ? content(job) : shown].flat());
+    cell.title = shown;
   });
 }
 
@@ -93,7 +75,7 @@ function matcher(farm) {
 }
 
 function sorter() {
-  const { sort } = columns.find((column) => column.key === chosen.sort);
+  const { text, sort = text } = columns.find((column) => column.key === chosen.sort);
   const sign = chosen.isDown ? -1 : 1;
   return (a, b) => {
     const x = sort(a), y = sort(b);
@@ -102,44 +84,32 @@ function sorter() {
 }
 
 export class JobsView extends View {
-  constructor(farm) {
-    super();
-    this.farm = farm;
-    this.title = "Jobs";
-    this.pool = new Map(); // index -> row
-    this.free = [];
-    this.list = [];
-    this.root = el("section", { class: "jobs", "aria-label": "Jobs" }, this.makeTools(),
-      this.heads = el("div", { class: "heads", role: "row" }),
-      this.scroller = el("div", { class: "rows", role: "grid", tabindex: "0", "aria-label": "Jobs",
-        onscroll: () => this.draw(), onkeydown: (event) => this.onKey(event), onclick: (event) => this.onClick(event) },
-        this.space = el("div", { class: "space", role: "presentation" })),
-      this.empty = el("p", { class: "hint", hidden: true }));
-    this.makeHeads();
-  }
-
-  makeTools() {
-    this.search = el("input", { type: "search", id: "search", placeholder: "name, owner, tag, id …", value: chosen.text,
-      "aria-label": "Search jobs", oninput: () => this.choose({ text: this.search.value }) });
-    const options = [["", "all states"], ["live", "not over"], ...stateOrder.map((state) => [state, state])];
-    const state = el("select", { "aria-label": "State", onchange: () => this.choose({ state: state.value }) },
-      options.map(([value, text]) => el("option", { value, selected: chosen.state === value }, text)));
-    const sort = el("select", { class: "narrow", "aria-label": "Sort by", onchange: () => this.sortBy(sort.value) },
-      columns.map(({ key, title }) => el("option", { value: key, selected: chosen.sort === key },
-        `by ${title.toLowerCase()}`)));
-    const mine = el("input", { type: "checkbox", checked: chosen.mine, onchange: () =>
-      this.choose({ mine: mine.checked }) });
-    return el("div", { class: "tools" }, this.search, state, sort, el("label", null, mine, " mine"),
-      this.sum = el("p", { class: "sum", role: "status" }));
-  }
+  title = "Jobs";
+  rows = []; // row i shows the jobs i, i + rows.length, ...
+  list = [];
+  search = el("input", { type: "search", id: "search", placeholder: "name, owner, tag, id …", value: chosen.text,
+    "aria-label": "Search jobs", oninput: () => this.choose({ text: this.search.value }) });
+  sum = el("p", { class: "sum", role: "status" });
+  heads = el("div", { class: "heads", role: "row", id: "heads" });
+  space = el("div", { class: "space", role: "rowgroup", id: "space" });
+  scroller = el("div", { class: "rows", role: "grid", tabindex: "0", "aria-label": "Jobs", "aria-owns": "heads space",
+    onscroll: () => this.draw(), onclick: (event) => this.onClick(event) }, this.space);
+  empty = hint("", { hidden: true });
+  root = el("section", { class: "jobs", "aria-label": "Jobs" }, el("div", { class: "tools" }, this.search,
+    select("State", [["", "all states"], ["live", "not over"], ...stateOrder.map((state) => [state, state])],
+      chosen.state, (state) => this.choose({ state })),
+    select("Sort by", columns.map(({ key, title }) => [key, `by ${title.toLowerCase()}`]), chosen.sort,
+      (key) => this.sortBy(key), { class: "narrow" }),
+    checkbox("mine", { checked: chosen.mine, onchange: ({ target }) => this.choose({ mine: target.checked }) }),
+    this.sum), this.heads, this.scroller, this.empty);
+  arrangeSoon = once(() => this.isHidden || this.arrange(), (act) => setTimeout(act, SORT_MS));
 
   makeHeads() {
-    this.heads.replaceChildren(...columns.map((column) => {
-      const isSorted = chosen.sort === column.key;
-      return el("div", { class: `cell ${column.key}`, role: "columnheader",
-        "aria-sort": isSorted ? (chosen.isDown ? "descending" : "ascending") : "none" },
-        el("button", { type: "button", onclick: () => this.sortBy(column.key) },
-          column.title, isSorted ? (chosen.isDown ? " ↓" : " ↑") : ""));
+    this.heads.replaceChildren(...columns.map(({ key, title }) => {
+      const order = chosen.sort !== key ? "none" : chosen.isDown ? "descending" : "ascending";
+      return el("div", { class: `cell ${key}`, role: "columnheader", "aria-sort": order },
+        button([title, el("span", { "aria-hidden": "true" }, { none: "", descending: " ↓", ascending: " ↑" }[order])],
+          () => this.sortBy(key)));
     }));
   }
 
@@ -157,87 +127,67 @@ export class JobsView extends View {
   show() {
     this.on(this.farm, "change", ({ detail }) => this.change(detail));
     this.on(window, "resize", () => this.measure());
-    this.measure();
+    this.makeHeads();
     this.arrange();
+    this.measure();
     this.scroller.scrollTop = chosen.scroll;
     this.draw();
   }
 
   hide() {
     chosen.scroll = this.scroller.scrollTop;
-    clearTimeout(this.timer);
     super.hide();
   }
 
   focus() { this.scroller.focus(); }
 
   measure() {
-    this.rowHeight = parseFloat(getComputedStyle(this.root).getPropertyValue("--row")) || 32;
-    for (const row of this.pool.values()) row.remove();
-    this.pool.clear();
+    this.rowHeight = parseFloat(getComputedStyle(this.root).getPropertyValue("--row"));
     this.draw();
   }
 
   // Rows in sight change at once, their order at most twice a second.
   change(changed) {
     this.draw();
-    if (this.timer || (changed.size === 1 && (changed.has("status") || changed.has("workers")))) return;
-    const wait = Math.max(0, (this.arranged ?? 0) + SORT_MS - performance.now());
-    this.timer = setTimeout(() => {
-      this.timer = null;
-      this.arrange();
-    }, wait);
+    if (changed.size > 1 || !(changed.has("status") || changed.has("workers"))) this.arrangeSoon();
   }
 
   arrange() {
-    const { farm } = this;
-    this.arranged = performance.now();
+    const { farm } = this, known = farm.jobs.size;
     this.list = [...farm.jobs.values()].filter(matcher(farm)).sort(sorter());
     const running = this.list.reduce((sum, job) => sum + paceOf(job), 0);
-    const loading = farm.isLoaded ? "" : `, ${count(farm.jobs.size)} loaded`;
-    setText(this.sum, `${count(this.list.length)} of ${count(Math.max(farm.total,
-      farm.jobs.size))} jobs${loading}, ${rate(running)}`);
+    const sum = `${count(this.list.length)} of ${count(Math.max(farm.total, known))} jobs${farm.isLoaded ? ""
+      : `, ${count(known)} loaded`}, ${rate(running)}`;
+    if (this.sum.textContent !== sum) this.sum.textContent = sum;
     this.empty.hidden = this.list.length > 0;
-    setText(this.empty, !farm.isLoaded ? "The farm is asked." : farm.jobs.size ? "No job matches." :
-      "There are no jobs yet: submit one with the page's Submit, or with march submit.");
+    this.empty.textContent = !farm.isLoaded ? "The farm is asked." : known ? "No job matches."
+      : "There are no jobs yet: submit one with the page's Submit, or with march submit.";
     this.scroller.setAttribute("aria-rowcount", this.list.length);
     this.draw();
   }
 
   draw() {
-    const { pool, rowHeight } = this;
+    const { rows, rowHeight, scroller } = this;
     if (!rowHeight) return;
-    const first = Math.max(0, Math.floor(this.scroller.scrollTop / rowHeight) - SPARE_ROWS);
-    const last = Math.min(this.list.length, Math.ceil((this.scroller.scrollTop
-      + this.scroller.clientHeight) / rowHeight) + SPARE_ROWS);
     this.space.style.height = `${this.list.length * rowHeight}px`;
-    for (const [index, row] of pool)
-      if (index < first || index >= last) {
-        pool.delete(index);
-        this.free.push(row);
-      }
-    for (let index = first; index < last; index++) this.drawRow(index);
-    for (const row of this.free.splice(0)) row.remove();
-    if (last && !performance.getEntriesByName("jobs shown").length) performance.mark("jobs shown");
-    const active = [...pool.values()].find((row) => row.job.id === chosen.active);
-    if (active) this.scroller.setAttribute("aria-activedescendant", active.id);
-    else this.scroller.removeAttribute("aria-activedescendant");
+    const first = Math.max(0, Math.floor(scroller.scrollTop / rowHeight) - SPARE_ROWS);
+    const needed = Math.ceil(scroller.clientHeight / rowHeight) + 2 * SPARE_ROWS;
+    while (rows.length < needed) rows.push(makeRow(rows.length));
+    for (let index = first; index < first + rows.length; index++) this.drawRow(rows[index % rows.length], index);
+    if (this.list.length && !performance.getEntriesByName("jobs shown").length) performance.mark("jobs shown");
+    const active = rows.find((row) => row.isConnected && row.job.id === chosen.active);
+    scroller.setAttribute("aria-activedescendant", active?.id ?? "");
   }
 
-  drawRow(index) {
-    const known = this.list[index], job = this.farm.jobs.get(known.id) ?? known;
-    let row = this.pool.get(index);
-    if (!row) {
-      row = this.free.pop() ?? makeRow(this.rowCount = (this.rowCount ?? 0) + 1);
-      this.pool.set(index, row);
-      row.style.transform = `translateY(${index * this.rowHeight}px)`;
-      row.setAttribute("aria-rowindex", index + 1);
-      row.job = null;
-      if (!row.isConnected) this.space.append(row);
-    }
+  drawRow(row, index) {
+    const known = this.list[index];
+    if (!known) return row.remove();
+    const job = this.farm.jobs.get(known.id) ?? known;
     if (row.job !== job) fillRow(row, job);
-    row.classList.toggle("active", job.id === chosen.active);
+    row.style.setProperty("--at", index);
+    row.setAttribute("aria-rowindex", index + 1);
     row.setAttribute("aria-selected", String(job.id === chosen.active));
+    if (!row.isConnected) this.space.append(row);
   }
 
   onClick(event) {
@@ -247,27 +197,19 @@ export class JobsView extends View {
     if (!event.target.closest("a")) location.hash = `#/jobs/${row.job.id}`;
   }
 
-  onKey(event) {
+  onKey({ key }) {
     const at = this.list.findIndex((job) => job.id === chosen.active);
     const page = Math.max(1, Math.floor(this.scroller.clientHeight / this.rowHeight) - 1);
     const moves = { ArrowDown: 1, j: 1, ArrowUp: -1, k: -1, PageDown: page, PageUp: -page, Home: -Infinity,
       End: Infinity };
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.key in moves && this.list.length) {
-      const to = Math.min(this.list.length - 1, Math.max(0, at + moves[event.key]));
+    if (key in moves && this.list.length) {
+      const to = clamp(at + moves[key], 0, this.list.length - 1);
+      const { scroller, rowHeight } = this, top = to * rowHeight;
       chosen.active = this.list[to].id;
-      this.bringToSight(to);
-    } else if (event.key === "Enter" && at >= 0) location.hash = `#/jobs/${chosen.active}`;
-    else if (!keyAction(this.farm, this.farm.jobs.get(chosen.active), event.key)) return;
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
-  bringToSight(index) {
-    const top = index * this.rowHeight, { scroller } = this;
-    if (top < scroller.scrollTop) scroller.scrollTop = top;
-    if (top + this.rowHeight > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top
-      + this.rowHeight - scroller.clientHeight;
-    this.draw();
+      scroller.scrollTop = Math.min(top, Math.max(scroller.scrollTop, top + rowHeight - scroller.clientHeight));
+      this.draw();
+    } else if (key === "Enter" && at >= 0) location.hash = `#/jobs/${chosen.active}`;
+    else return keyAction(this.farm, this.farm.jobs.get(chosen.active), key);
+    return true;
   }
 }

@@ -1,33 +1,30 @@
 // The page: which view is shown, the keys that work everywhere, the connection's state, light and dark.
 import { Farm } from "./farm.js";
 import { JobsView } from "./jobs.js";
-import { el, find, say } from "./dom.js";
+import { find, markCurrent } from "./dom.js";
 
 const farm = new Farm();
 let view, shownHash;
 
 // A view that is not asked for is not loaded.
 const routes = [
-  [/^#\/jobs$/, () => new JobsView(farm)],
-  [/^#\/jobs\/(\d+)(?:\/(frames|flipbook|plots|plan|document))?$/, async (id, tab) =>
-    new (await import("./job.js")).JobView(farm, Number(id), tab)],
-  [/^#\/jobs\/(\d+)\/frames\/(-?\d+)$/, async (id, frame) => new (await import("./frame.js")).FrameView(farm,
-    Number(id), Number(frame))],
-  [/^#\/workers$/, async () => new (await import("./workers.js")).WorkersView(farm)],
-  [/^#\/submit$/, async () => new (await import("./submit.js")).SubmitView(farm)],
-  [/^#\/help$/, async () => new (await import("./help.js")).HelpView()],
+  [/^#\/jobs$/, () => JobsView],
+  [/^#\/jobs\/(?<id>\d+)(?:\/(?<tab>flipbook|plots|plan|document))?$/, async () => (await import("./job.js")).JobView],
+  [/^#\/jobs\/(?<id>\d+)\/frames\/(?<frame>-?\d+)$/, async () => (await import("./frame.js")).FrameView],
+  [/^#\/workers$/, async () => (await import("./workers.js")).WorkersView],
+  [/^#\/submit$/, async () => (await import("./submit.js")).SubmitView],
+  [/^#\/help$/, async () => (await import("./help.js")).HelpView],
 ];
 
 async function route() {
   const hash = location.hash || "#/jobs";
-  const found = routes.map(([pattern, make]) => [pattern.exec(hash), make]).find(([match]) => match);
-  if (!found) return location.replace("#/jobs");
+  const [pattern, load] = routes.find(([each]) => each.test(hash)) ?? [];
+  if (!pattern) return location.replace("#/jobs");
   if (view?.follow?.(hash)) return finishRoute(hash);
-  const [match, make] = found;
-  const next = await make(...match.slice(1));
+  const Next = await load(), { id, frame, tab } = pattern.exec(hash).groups ?? {};
   if ((location.hash || "#/jobs") !== hash) return;
   view?.hide();
-  view = next;
+  view = new Next({ farm, id: Number(id), frame: Number(frame), tab });
   find("#main").replaceChildren(view.root);
   view.show();
   finishRoute(hash);
@@ -35,42 +32,25 @@ async function route() {
 
 function finishRoute(hash) {
   document.title = `${view.title} · marchd`;
-  for (const link of document.querySelectorAll("nav a"))
-    if (hash.startsWith(link.getAttribute("href"))) link.setAttribute("aria-current", "page");
-    else link.removeAttribute("aria-current");
-  if (shownHash !== undefined) (say(view.title), view.focus?.());
+  markCurrent(find("header nav"), (href) => hash.startsWith(href));
+  if (shownHash !== undefined) {
+    find("#said").textContent = view.title; // to screen readers
+    view.focus?.();
+  }
   shownHash = hash;
 }
 
 function showLink() {
-  const place = find("#link"), words = { connecting: "connecting", live: "live", closed: "no session" };
-  clearInterval(showLink.timer);
-  document.body.dataset.link = farm.state;
-  if (farm.state === "lost") {
-    const text = el("span", null), left = () => Math.max(0, Math.ceil((farm.retryAt - Date.now()) / 1000));
-    const tell = () => (text.textContent = `✗ not live: ${farm.why}; again in ${left()} s`);
-    showLink.timer = setInterval(tell, 1000);
-    tell();
-    place.replaceChildren(text, " ", el("button", { type: "button", onclick: () => farm.connect() }, "Now"));
-  } else place.replaceChildren(el("span", { class: "sign", "aria-hidden": "true" },
-    farm.state === "live" ? "● " : "○ "), words[farm.state]);
-  showUser();
-  if (farm.state === "closed") {
-    view?.hide();
-    view = { root: el("section", { class: "text" }, el("h1", null, "No session"),
-      el("p", null, "Type ", el("code", null, "march web"),
-        " in a terminal: it opens this page with a session of yours.")), hide() {}, title: "No session" };
-    find("#main").replaceChildren(view.root);
-  }
+  const { state, session } = farm, isClosed = state === "closed", place = find("#link");
+  const text = { live: "● live", lost: `✗ not live: ${farm.why}`, connecting: "○ connecting" }[state] ?? "no session";
+  document.body.dataset.link = state;
+  if (place.textContent !== text) place.textContent = text;
+  find("#now").hidden = state !== "lost";
+  find("#user").textContent = session && !isClosed ? `${session.user} (${session.scope})` : "";
+  find("#leave").hidden = !session || isClosed;
+  find("#main").hidden = isClosed;
+  find("#closed").hidden = !isClosed;
 }
-
-function showUser() {
-  const { session } = farm;
-  find("#user").replaceChildren(...(session && farm.state !== "closed" ? [`${session.user} (${session.scope}) `,
-    el("button", { type: "button", onclick: leave }, "Log out")] : []));
-}
-
-const leave = () => fetch("/logout", { method: "POST" }).finally(() => location.reload());
 
 // What the whole farm waits for.
 function showBanner() {
@@ -84,15 +64,13 @@ function showBanner() {
   banner.hidden = !text;
 }
 
-function setTheme(theme) {
-  const root = document.documentElement, button = find("#theme");
-  const isDark = theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-  if (theme) root.dataset.theme = theme;
-  button.textContent = isDark ? "☀" : "☾";
-  button.setAttribute("aria-label", isDark ? "Light colours" : "Dark colours");
-  button.onclick = () => {
+function setTheme(isDark) {
+  document.documentElement.style.colorScheme = isDark ? "dark" : "light";
+  find("#theme").textContent = isDark ? "☀" : "☾";
+  find("#theme").setAttribute("aria-label", isDark ? "Light colours" : "Dark colours");
+  find("#theme").onclick = () => {
     localStorage.setItem("theme", isDark ? "light" : "dark");
-    setTheme(isDark ? "light" : "dark");
+    setTheme(!isDark);
     view?.onTheme?.();
   };
 }
@@ -105,6 +83,7 @@ addEventListener("keydown", (event) => {
     if (event.key === "Escape") (view?.focus?.(), event.preventDefault());
     return;
   }
+  if (event.key === "Enter" && event.target.matches("a, button")) return;
   if (view?.onKey?.(event)) return event.preventDefault();
   if (event.key in places) location.hash = places[event.key];
   else if (event.key === "/" && find("#search")) find("#search").focus();
@@ -115,11 +94,13 @@ addEventListener("keydown", (event) => {
 });
 
 addEventListener("hashchange", route);
-addEventListener("unhandledrejection", (event) => console.error(event.reason));
 farm.addEventListener("state", showLink);
 farm.addEventListener("change", ({ detail }) => detail.has("status") && showBanner());
-setTheme(localStorage.getItem("theme"));
+find("#now").onclick = () => farm.connect();
+find("#leave").onclick = () => fetch("/logout", { method: "POST" }).finally(() => location.reload());
+setTheme((localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches && "dark")) === "dark");
 showLink();
 route();
 farm.connect();
+setInterval(() => farm.state === "live" && !document.hidden && farm.askStatus(), 5000);
 window.marchdPage = { farm }; // for a look from the browser's console

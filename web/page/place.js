@@ -1,17 +1,11 @@
 // Finds the place that a mistake names in the text of a JSON document, and where its syntax is wrong.
 
-class SyntaxMistake extends Error {
-  constructor(at, expected) {
-    super(expected);
-    this.at = at;
-  }
-}
-
 const space = /[ \t\r\n]*/y, text = /"(?:[^"\\\u0000-\u001f]|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*"/y;
 const plain = /-?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?\d+)?|true|false|null/y;
 
-// Calls `note(path, start, end, keyStart)` for each value; a path is written as the farm writes it: "scene.media[0].g".
-function scan(source, note) {
+// The place {start, end, keyStart} of each value, by its path as the farm writes it: "scene.media[0].g".
+function scan(source) {
+  const places = new Map();
   let at = 0;
   const take = (pattern) => {
     pattern.lastIndex = at;
@@ -19,8 +13,9 @@ function scan(source, note) {
     if (match) at = pattern.lastIndex;
     return match?.[0];
   };
+  const mistake = (message, place) => Object.assign(new SyntaxError(message), { at: place });
   const fail = (expected) => {
-    throw new SyntaxMistake(at, `${expected}, got ${at < source.length ? JSON.stringify(source[at]) : "the end"}`);
+    throw mistake(`expected ${expected}, got ${at < source.length ? JSON.stringify(source[at]) : "the end"}`, at);
   };
   const members = (end, one) => {
     at++;
@@ -30,7 +25,7 @@ function scan(source, note) {
       one(i);
       take(space);
       if (source[at] === end) return at++;
-      if (source[at] !== ",") fail(`expected "," or "${end}"`);
+      if (source[at] !== ",") fail(`"," or "${end}"`);
       at++;
       take(space);
     }
@@ -41,31 +36,32 @@ function scan(source, note) {
     if (source[at] === "{") {
       const keys = new Set();
       members("}", () => {
-        const keyAt = at, key = take(text) ?? fail("expected a key in quotes"), name = JSON.parse(key);
-        if (keys.has(name)) throw new SyntaxMistake(keyAt, `the key ${key} appears twice`);
+        const keyAt = at, key = take(text) ?? fail("a key in quotes"), name = JSON.parse(key);
+        if (keys.has(name)) throw mistake(`the key ${key} appears twice`, keyAt);
         keys.add(name);
         take(space);
-        if (source[at] !== ":") fail('expected ":"');
+        if (source[at] !== ":") fail('":"');
         at++;
         value(path ? `${path}.${name}` : name, keyAt);
       });
     } else if (source[at] === "[") members("]", (i) => value(`${path}[${i}]`));
-    else take(text) ?? take(plain) ?? fail("expected a value");
-    note(path, start, at, keyStart ?? start);
+    else take(text) ?? take(plain) ?? fail("a value");
+    places.set(path, { start, end: at, keyStart: keyStart ?? start });
   };
   value("");
   take(space);
-  if (at < source.length) fail("expected the end");
+  if (at < source.length) fail("the end");
+  return places;
 }
 
 // Where the syntax is wrong: {at, message}, or null.
 export function findSyntaxMistake(source) {
   try {
-    scan(source, () => {});
+    scan(source);
     return null;
   } catch (mistake) {
-    if (!(mistake instanceof SyntaxMistake)) throw mistake;
-    return { at: mistake.at, message: mistake.message };
+    if (mistake.at === undefined) throw mistake;
+    return mistake;
   }
 }
 
@@ -80,17 +76,10 @@ export function splitMessage(message) {
 export function findPlace(source, message) {
   let { path, text: said } = splitMessage(message);
   if (path === null) return null;
-  const places = new Map();
-  scan(source, (place, start, end, keyStart) => places.set(place, { start, end, keyStart }));
-  const unknown = /^unknown key "([^"]*)"/.exec(said);
+  const places = scan(source), unknown = /^unknown key "([^"]*)"/.exec(said);
   const key = unknown && places.get(path ? `${path}.${unknown[1]}` : unknown[1]);
   if (key) return { start: key.keyStart, end: key.end };
   while (path && !places.has(path)) path = path.replace(/(^|\.|)[^.[\]]*$|\[[^\]]*\]$/, "");
   const { start, end, keyStart } = places.get(path);
   return { start: path ? keyStart : start, end: path ? end : start + 1 };
-}
-
-export function lineOf(source, at) {
-  const before = source.slice(0, at);
-  return { line: before.split("\n").length, column: at - before.lastIndexOf("\n") };
 }

@@ -1,24 +1,20 @@
 // Seconds of each frame, and its error with the 95 % bound against the tolerance.
-import { View, el, styleColour, duration, percent } from "./dom.js";
+import { View, el, hint, once, styleColour, duration, percent } from "./dom.js";
 
 const DRAW_MS = 2000, POINTS = 1500;
 let chart; // the library, when it is loaded
 
+const plotBox = (name) => el("div", null, el("h2", null, name), hint(""),
+  el("div", { class: "chart" }, el("canvas", { role: "img" })));
+
 export class Plots extends View {
-  constructor(view) {
-    super();
-    Object.assign(this, { view, map: view.map, charts: [] });
-    const box = (name) => el("div", { class: "plot" }, el("h2", null, name), el("p", { class: "hint" }),
-      el("div", { class: "chart" }, el("canvas", { role: "img" })));
-    this.root = el("div", { class: "plots" }, this.seconds = box("Seconds a frame"),
-      this.errors = box("Error of each frame"));
-  }
+  charts = [];
+  seconds = plotBox("Seconds a frame");
+  errors = plotBox("Error of each frame");
+  root = el("div", null, this.seconds, this.errors);
 
   async show() {
-    this.on(this.map, "change", () => (this.timer ??= setTimeout(() => {
-      this.timer = null;
-      this.draw();
-    }, DRAW_MS)));
+    this.on(this.map, "change", once(() => this.draw(), (act) => setTimeout(act, DRAW_MS)));
     await import("/vendor/chart.js");
     chart = globalThis.Chart;
     this.draw();

@@ -1,6 +1,6 @@
 // Submits a job: a dropped or typed JSON document, whose mistakes are shown at their place in the text.
-import { View, el, toast } from "./dom.js";
-import { findSyntaxMistake, findPlace, splitMessage, lineOf } from "./place.js";
+import { View, el, button, checkbox, toast } from "./dom.js";
+import { findSyntaxMistake, findPlace, splitMessage } from "./place.js";
 
 const kept = { text: "" }; // while another view is shown
 
@@ -20,36 +20,29 @@ function putSources(node, sources) {
 
 export class SubmitView extends View {
   title = "Submit";
-
-  constructor(farm) {
-    super();
-    this.farm = farm;
-    this.text = el("textarea", { id: "document", spellcheck: false, rows: 24, value: kept.text,
-      "aria-label": "The job's document",
-      "aria-describedby": "mistake", placeholder: "Drop a job file here, with its GLSL files, or type its JSON.",
-        oninput: () => this.clear() });
-    this.lines = el("pre", { class: "lines", "aria-hidden": "true" });
-    this.text.addEventListener("scroll", () => (this.lines.scrollTop = this.text.scrollTop));
-    this.mistake = el("p", { id: "mistake", class: "wrong", role: "alert" });
-    this.paused = el("input", { type: "checkbox" });
-    const file = el("input", { type: "file", multiple: true, accept: ".json,.glsl",
-      "aria-label": "Job file, and its GLSL files", onchange: () => this.read(file.files) });
-    this.root = el("section", { class: "submit", "aria-label": "Submit a job", ondrop: (event) => this.onDrop(event),
-      ondragover: (event) => this.onDrag(event, true), ondragleave: (event) => this.onDrag(event, false) },
-      el("h1", null, "Submit a job"), el("div", { class: "tools" }, file, el("label", null, this.paused, " paused"),
-        el("button", { class: "main", title: "Key: Ctrl and Enter", onclick: () => this.submit() }, "Submit")),
-      this.mistake, el("div", { class: "editor" }, this.lines, this.text));
-    this.text.addEventListener("keydown", (event) => event.ctrlKey && event.key === "Enter" && this.submit());
-  }
+  text = el("textarea", { id: "document", spellcheck: false, rows: 24, value: kept.text,
+    "aria-label": "The job's document", "aria-describedby": "mistake",
+    placeholder: "Drop a job file here, with its GLSL files, or type its JSON.", oninput: () => this.clear(),
+    onscroll: () => (this.lines.scrollTop = this.text.scrollTop),
+    onkeydown: (event) => event.ctrlKey && event.key === "Enter" && this.submit() });
+  lines = el("pre", { class: "lines", "aria-hidden": "true" });
+  mistake = el("p", { id: "mistake", class: "wrong", role: "alert" });
+  paused = checkbox("paused");
+  file = el("input", { type: "file", multiple: true, accept: ".json,.glsl",
+    "aria-label": "Job file, and its GLSL files", onchange: () => this.read(this.file.files) });
+  root = el("section", { class: "submit", "aria-label": "Submit a job", ondrop: (event) => this.onDrop(event),
+    ondragover: (event) => this.onDrag(event, true), ondragleave: (event) => this.onDrag(event, false) },
+    el("h1", null, "Submit a job"), el("div", { class: "tools" }, this.file, this.paused,
+      button("Submit", () => this.submit(), { class: "main", title: "Key: Ctrl and Enter" })),
+    this.mistake, el("div", { class: "editor" }, this.lines, this.text));
 
   show() { this.clear(); }
+  focus() { this.text.focus(); }
 
   hide() {
     kept.text = this.text.value;
     super.hide();
   }
-
-  focus() { this.text.focus(); }
 
   onDrag(event, isOver) {
     event.preventDefault();
@@ -90,8 +83,8 @@ export class SubmitView extends View {
 
   fail(place, message) {
     if (!place) return void (this.mistake.textContent = message);
-    const { line, column } = lineOf(this.text.value, place.start);
-    this.mistake.textContent = `Line ${line}, column ${column}: ${message}`;
+    const before = this.text.value.slice(0, place.start).split("\n"), line = before.length;
+    this.mistake.textContent = `Line ${line}, column ${before.at(-1).length + 1}: ${message}`;
     this.text.setAttribute("aria-invalid", "true");
     this.number(line);
     this.text.focus();
@@ -101,10 +94,10 @@ export class SubmitView extends View {
 
   async submit() {
     this.clear();
-    const source = this.text.value, syntax = findSyntaxMistake(source);
+    const source = this.text.value, syntax = findSyntaxMistake(source), paused = this.paused.firstChild.checked;
     if (syntax) return this.fail({ start: syntax.at, end: syntax.at + 1 }, syntax.message);
     try {
-      const { id } = await this.farm.call("job.submit", { document: JSON.parse(source), paused: this.paused.checked });
+      const { id } = await this.farm.call("job.submit", { document: JSON.parse(source), paused });
       toast(`Job ${id} is submitted.`);
       location.hash = `#/jobs/${id}`;
     } catch (error) {

@@ -1,15 +1,9 @@
 // Workers, by pool and node: which machine and renderer, what they do now, what was wrong last.
-import { View, el, table, facts, count, duration } from "./dom.js";
-
-const signs = { busy: "▶ busy", idle: "○ idle", starting: "… starting", backing_off: "✗ backing off",
-  stopping: "⊘ stopping", waiting: "Ⅱ waiting" };
+import { View, el, hint, table, facts, stateMark, count, duration } from "./dom.js";
 
 export class WorkersView extends View {
-  constructor(farm) {
-    super();
-    Object.assign(this, { farm, title: "Workers" });
-    this.root = el("section", { class: "text wide", "aria-label": "Workers" });
-  }
+  title = "Workers";
+  root = el("section", { class: "text wide", "aria-label": "Workers" });
 
   show() {
     this.on(this.farm, "change", ({ detail }) => (detail.has("workers") || detail.has("status")) && this.draw());
@@ -27,23 +21,17 @@ export class WorkersView extends View {
       ["Output", status.output_roots.join(", ")], ["Queue on disk", status.store.state],
     ]) : "", ...[...pools].flatMap(([pool, members]) => [el("h2", null, `Pool ${pool}, ${count(members.length)}`),
       this.drawPool(pool, members)]),
-    workers.length ? "" : el("p", { class: "hint" }, "No workers are known."));
+    workers.length ? "" : hint("No workers are known."));
   }
 
   drawPool(pool, workers) {
     return table(`Workers of pool ${pool}`, ["Worker", "Machine", "State", "Does", "Done", "Renderer", "Last fault"],
       workers.map((worker) => [
-      `${worker.id}`, worker.node ?? "this machine", el("span", { class: `state ${worker.state}` },
-        signs[worker.state] ?? worker.state),
-      worker.job ? el("a", { href: `#/jobs/${worker.job}` },
-        `job ${worker.job}${this.jobName(worker.job)}, ${worker.frames} in flight`) : "–",
+      `${worker.id}`, worker.node ?? "this machine", stateMark(worker.state),
+      worker.job ? el("a", { href: `#/jobs/${worker.job}` }, `job ${worker.job} ${this.farm.jobs.get(worker.job)?.name
+        ?? ""}, ${worker.frames} in flight`) : "–",
       count(worker.done), [worker.backend, worker.renderer, worker.sandbox
         && `(${worker.sandbox})`].filter(Boolean).join(" · ") || "–",
       worker.reason ? el("span", { class: "wrong" }, `! ${worker.reason}`) : "–"]));
-  }
-
-  jobName(id) {
-    const job = this.farm.jobs.get(id);
-    return job ? ` ${job.name}` : "";
   }
 }
