@@ -26,6 +26,7 @@ export const select = (label, choices, chosen, choose, attributes) =>
 
 export const hint = (text, attributes) => el("p", { class: "hint", ...attributes }, text);
 export const find = (selector, within = document) => within.querySelector(selector);
+export const say = (text) => (find("#said").textContent = text); // to screen readers
 
 // Says which of the links within is that of the present view.
 export function markCurrent(links, isCurrent) {

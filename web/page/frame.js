@@ -21,7 +21,7 @@ export async function getAnswer(url) {
 export class FrameView extends View {
   head = el("h1");
   facts = el("div");
-  picture = el("img", { class: "picture", draggable: false, onload: () => this.place(),
+  picture = el("img", { class: "picture", alt: "The frame", draggable: false, onload: () => this.place(),
     onerror: () => getAnswer(this.picture.src).catch((error) => (this.note.textContent = error.message)) });
   box = el("div", { class: "picturebox", tabindex: "0", role: "group", "aria-label": "Picture",
     ondblclick: () => this.zoomBy(1), onpointerdown: (event) => this.grab(event),
@@ -36,7 +36,7 @@ export class FrameView extends View {
     this.set({ exposure: target.checked ? null : Number(this.exposure.value) }) });
   zoom = select("Zoom", ZOOMS.map((zoom) => [`${zoom}`, zoom ? `${zoom * 100} %` : "all of it"]), "",
     (zoom) => this.set({ zoom: Number(zoom) }));
-  stops = el("output");
+  stops = el("span");
   root = el("section", { class: "frame", "aria-label": "Frame" }, this.head, this.facts, el("div", { class: "tools" },
     button("‹ before", () => this.step(-1), { title: "Key: ←" }), button("after ›", () => this.step(1),
       { title: "Key: →" }), this.channel, el("label", null, "exposure ", this.exposure), this.stops, this.auto,

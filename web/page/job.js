@@ -1,5 +1,5 @@
 // One job: what it is, what can be done with it, and its frames, flipbook, plots, plan and document.
-import { View, el, facts, hint, markCurrent, stateMark, doneOf, isOver, count, duration, percent, rate, time }
+import { View, el, facts, hint, markCurrent, say, stateMark, doneOf, isOver, count, duration, percent, rate, time }
   from "./dom.js";
 import { actionButtons, keyAction } from "./actions.js";
 import { paceOf, phaseText, errorText, progressBar } from "./jobs.js";
@@ -83,6 +83,8 @@ export class JobView extends View {
     if (!job) return;
     if (this.shown && this.farm.isLoaded && !this.farm.jobs.has(this.id)) return this.drawDeleted();
     this.title = `Job ${job.id}, ${job.name}`;
+    if (this.said !== job.state) say(`${this.title}: ${job.state}`);
+    this.said = job.state;
     const counts = ["queued", "running", "succeeded", "skipped", "failed", "canceled"].filter((state) => job[state]);
     const failed = job.failed && this.map.isLoaded ? this.map.framesOf("failed").slice(0, 2000) : [];
     this.head.replaceChildren(

@@ -1,6 +1,6 @@
 // The list of jobs: ten thousands of rows, of which those in sight are made.
-import { View, el, button, checkbox, clamp, select, hint, once, stateMark, doneOf, isOver, count, duration, percent,
-  rate, time } from "./dom.js";
+import { View, el, button, checkbox, clamp, select, hint, once, say, stateMark, doneOf, isOver, count, duration,
+  percent, rate, time } from "./dom.js";
 import { keyAction } from "./actions.js";
 
 const SORT_MS = 500, SPARE_ROWS = 6;
@@ -89,13 +89,14 @@ export class JobsView extends View {
   list = [];
   search = el("input", { type: "search", id: "search", placeholder: "name, owner, tag, id …", value: chosen.text,
     "aria-label": "Search jobs", oninput: () => this.choose({ text: this.search.value }) });
-  sum = el("p", { class: "sum", role: "status" });
+  sum = el("p", { class: "sum" });
   heads = el("div", { class: "heads", role: "row", id: "heads" });
   space = el("div", { class: "space", role: "rowgroup", id: "space" });
   scroller = el("div", { class: "rows", role: "grid", tabindex: "0", "aria-label": "Jobs", "aria-owns": "heads space",
     onscroll: () => this.draw(), onclick: (event) => this.onClick(event) }, this.space);
   empty = hint("", { hidden: true });
-  root = el("section", { class: "jobs", "aria-label": "Jobs" }, el("div", { class: "tools" }, this.search,
+  root = el("section", { class: "jobs", "aria-label": "Jobs" }, el("h1", { class: "unseen" }, "Jobs"),
+    el("div", { class: "tools" }, this.search,
     select("State", [["", "all states"], ["live", "not over"], ...stateOrder.map((state) => [state, state])],
       chosen.state, (state) => this.choose({ state })),
     select("Sort by", columns.map(({ key, title }) => [key, `by ${title.toLowerCase()}`]), chosen.sort,
@@ -121,6 +122,7 @@ export class JobsView extends View {
   choose(choice) {
     Object.assign(chosen, choice);
     this.arrange();
+    say(this.sum.textContent);
     this.scroller.scrollTop = 0;
   }
 
@@ -156,9 +158,8 @@ export class JobsView extends View {
     const { farm } = this, known = farm.jobs.size;
     this.list = [...farm.jobs.values()].filter(matcher(farm)).sort(sorter());
     const running = this.list.reduce((sum, job) => sum + paceOf(job), 0);
-    const sum = `${count(this.list.length)} of ${count(Math.max(farm.total, known))} jobs${farm.isLoaded ? ""
+    this.sum.textContent = `${count(this.list.length)} of ${count(Math.max(farm.total, known))} jobs${farm.isLoaded ? ""
       : `, ${count(known)} loaded`}, ${rate(running)}`;
-    if (this.sum.textContent !== sum) this.sum.textContent = sum;
     this.empty.hidden = this.list.length > 0;
     this.empty.textContent = !farm.isLoaded ? "The farm is asked." : known ? "No job matches."
       : "There are no jobs yet: submit one with the page's Submit, or with march submit.";

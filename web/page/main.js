@@ -1,7 +1,7 @@
 // The page: which view is shown, the keys that work everywhere, the connection's state, light and dark.
 import { Farm } from "./farm.js";
 import { JobsView } from "./jobs.js";
-import { find, markCurrent } from "./dom.js";
+import { find, markCurrent, say } from "./dom.js";
 
 const farm = new Farm();
 let view, shownHash;
@@ -33,10 +33,8 @@ async function route() {
 function finishRoute(hash) {
   document.title = `${view.title} · marchd`;
   markCurrent(find("header nav"), (href) => hash.startsWith(href));
-  if (shownHash !== undefined) {
-    find("#said").textContent = view.title; // to screen readers
-    view.focus?.();
-  }
+  if (shownHash !== undefined) say(view.title);
+  if (shownHash !== undefined) view.focus?.();
   shownHash = hash;
 }
 
