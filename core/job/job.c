@@ -70,8 +70,9 @@ bool job_quality_states_method(const struct job_quality *quality)
 
 bool job_quality_has_majorants(const struct job_quality *quality)
 {
-    return quality->method == JOB_METHOD_TRACKING &&
-           (quality->estimator == JOB_ESTIMATOR_DELTA || quality->estimator == JOB_ESTIMATOR_RATIO);
+    return quality->method == JOB_METHOD_PATHS ||
+           (quality->method == JOB_METHOD_TRACKING &&
+            (quality->estimator == JOB_ESTIMATOR_DELTA || quality->estimator == JOB_ESTIMATOR_RATIO));
 }
 
 int job_find_step_limit(const struct job *job)

@@ -371,6 +371,13 @@ static bool check_tracking(const struct check *check)
     return check_midpoint(check);
 }
 
+static bool check_random_paths(const struct check *check)
+{
+    for (size_t i = 0; i < check->job->scene.medium_count; i++)
+        if (!check_majorant(check, i)) return false;
+    return true;
+}
+
 static bool check_riemann(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -449,7 +456,7 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
     case JOB_METHOD_PATHS:
-        return true;
+        return check_random_paths(&check);
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);

@@ -29,10 +29,11 @@ void bias_check_parse(struct job *job, const struct bias_check_scene *scene)
         "{ \"version\": 1, \"name\": \"bias\", \"frames\": \"0-9999\", \"fps\": 24, \"resolution\": [%d, %d],"
         " \"camera\": { \"position\": [0.1, 0.2, 4], \"target\": [0, 0, 0], \"fov\": 30 }, \"background\": %s,"
         " \"lights\": [ %s { \"kind\": \"point\", \"intensity\": 0, \"position\": { \"start\": [0, 9, 0],"
-        " \"rate\": [1, 0, 0] } } ], \"scene\": { \"media\": [ %s ] }, \"quality\": { %s },"
+        " \"rate\": [1, 0, 0] } } ], \"scene\": { \"scattering\": { \"orders\": %s }, \"media\": [ %s ] },"
+        " \"quality\": { %s },"
         " \"output\": { \"path\": \"bias.####.exr\", \"pixel\": \"float\", \"aovs\": [\"Z\", \"transmittance\"] } }",
         BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, scene->background ? scene->background : "0.3",
-        scene->lights ? scene->lights : "", scene->media, scene->quality);
+        scene->lights ? scene->lights : "", scene->orders ? scene->orders : "1", scene->media, scene->quality);
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 

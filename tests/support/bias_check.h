@@ -18,6 +18,7 @@ struct bias_check_scene {
     const char *lights;     // elements of "lights", each with a comma behind it; NULL: none
     const char *quality;    // members of "quality"
     const char *background; // a value; NULL: 0.3
+    const char *orders;     // of scattering, a value; NULL: 1
 };
 
 // The scene is a ball of radius 1 or less around the origin, seen from 4 m. A refusal fails the test.

@@ -120,6 +120,15 @@ static void add_tracking(struct scene_features *features, const struct job_quali
                                        medium_features_march_to_lights(&features->media[i]);
 }
 
+// Paths replace marches of every kind.
+static void add_walk(struct scene_features *features, const struct job_quality *quality)
+{
+    if (quality->method != JOB_METHOD_PATHS || !features->has_media) return;
+    features->is_walked = features->has_majorants = true;
+    features->tracks_to_lights = features->marches_to_lights;
+    features->marches = features->marches_to_lights = false;
+}
+
 struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded)
 {
     const struct scene *scene = &job->scene;
@@ -149,6 +158,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     add_tracking(&features, &job->quality);
+    add_walk(&features, &job->quality);
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
         features.has_peaks |= features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square;
@@ -158,7 +168,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
     features.is_random = features.has_samples || features.has_roulette || features.has_roughness ||
-                         features.is_jittered || features.is_tracked;
+                         features.is_jittered || features.is_tracked || features.is_walked;
     return features;
 }
 

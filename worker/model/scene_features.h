@@ -61,6 +61,8 @@ struct scene_features {
     bool is_tracked;        // light is a random estimate, unbiased or nearly so
     bool has_majorants;     // estimated by free flights among a majorant of each medium; else by marches
     bool estimates_columns; // the transmittance of media that vary is estimated
+    bool is_walked;         // light comes by random paths of any number of scatterings, among majorants
+    bool tracks_to_lights;  // so does the transmittance from a path's vertex to a light; else it has a closed form
     bool is_sliced;         // the picture is drawn in slices: each goes as far as the driver lets loops run
     bool is_random;         // something uses random numbers
 };

@@ -46,6 +46,16 @@ static void evaluate_count(const void *source, double time, double value[static 
     value[0] = *(const int *)source;
 }
 
+// The paths of one pass.
+static void evaluate_paths(const void *source, double time, double value[static 9])
+{
+    const struct job *job = source;
+    int samples = pixel_samples_count(job);
+
+    (void)time;
+    value[0] = ceil((double)job->quality.paths / samples);
+}
+
 // The steps of riemann: counted in double precision, because drivers round half a step differently.
 static void evaluate_step_count(const void *source, double time, double value[static 9])
 {
@@ -177,7 +187,7 @@ static void add_medium(struct frame_uniforms *uniforms, const struct scene_model
     if (features->emits)
         frame_uniforms_add(uniforms, timeline_value(&medium->emission, spectrum, value_range_not_negative, "emission"),
                            "medium_%zu_emission", i);
-    if (!model->features.has_lights || !features->scatters) return;
+    if ((!model->features.has_lights && !model->features.is_walked) || !features->scatters) return;
     frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
                        "medium_%zu_sigma_s", i);
     add_lobes(uniforms, medium, features, i);
@@ -273,7 +283,9 @@ static void add_steps(struct frame_uniforms *uniforms, const struct scene_model 
     if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
         add_number(uniforms, &quality->light_step, "quality_light_step");
     if (features->is_adaptive) add_number(uniforms, &quality->depth_step, "quality_depth_step");
-    if (features->has_media && (features->has_objects || (features->has_throughput && !features->is_tracked)))
+    if (features->is_walked) add_setting(uniforms, evaluate_paths, model->job, "quality_paths");
+    if (features->has_media && !features->is_walked &&
+        (features->has_objects || (features->has_throughput && !features->is_tracked)))
         add_number(uniforms, &quality->min_transmittance, "quality_min_transmittance");
     if (quality->method == JOB_METHOD_RIEMANN && features->marches) add_riemann(uniforms, model);
     if (features->has_roulette) {

@@ -159,6 +159,8 @@ double draft_count(const struct job *job)
 {
     struct plan_scene scene = scene_of(job);
 
-    if (job->quality.method == JOB_METHOD_RIEMANN || job->quality.method == JOB_METHOD_TRACKING) return 0.0;
+    if (job->quality.method == JOB_METHOD_RIEMANN || job->quality.method == JOB_METHOD_TRACKING ||
+        job->quality.method == JOB_METHOD_PATHS)
+        return 0.0;
     return plan_family_work(&scene, &job->quality);
 }

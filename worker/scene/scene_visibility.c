@@ -104,6 +104,12 @@ void scene_visibility_find(const struct job *job, const struct scene_inputs *inp
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         is_unneeded[i] = i < job->scene.medium_count && job->scene.object_count == 0;
     if (job->scene.object_count > 0) return;
+    // Light that is scattered several times comes by every medium.
+    if (job->scene.orders > 1) {
+        for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+            is_unneeded[i] = false;
+        return;
+    }
     for (int i = 0; i < pixel_samples_count(job); ++i)
         add_moment(job, inputs, pixel_samples_time(job, frame, i), is_unneeded);
 }

@@ -9,6 +9,7 @@
 #include "worker/scene/pixel_samples.h"
 #include "worker/shader/scene_glue_gather.h"
 #include "worker/shader/scene_glue_path.h"
+#include "worker/shader/scene_glue_walk.h"
 
 #include <math.h>
 
@@ -197,6 +198,12 @@ static void write_media_main(FILE *out, const struct scene_model *model)
     const struct scene_features *features = &model->features;
 
     if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
+    if (features->is_walked) {
+        write_view(out, model);
+        scene_glue_write_walk_picture(out, model);
+        write_majorant_mark(out, model);
+        return;
+    }
     if (features->has_media) write_media(out, model);
     if (features->is_sliced)
         fprintf(out, "    bool is_paused = !slice_is_over%s;\n    is_done = slice_store(is_paused);\n",

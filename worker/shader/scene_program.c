@@ -21,6 +21,7 @@
 #include "worker/shader/scene_glue_steps.h"
 #include "worker/shader/scene_glue_surface.h"
 #include "worker/shader/scene_glue_tracking.h"
+#include "worker/shader/scene_glue_walk.h"
 #include "worker/shader/texture_glue.h"
 
 #include <stdlib.h>
@@ -48,7 +49,7 @@ static void add_camera(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->model->features;
 
-    if (features->marches || features->marches_to_lights || features->has_objects)
+    if (features->marches || features->marches_to_lights || features->has_objects || features->is_walked)
         add_module(assembly, "math/march.glsl");
     add_module(assembly, "camera/pixel.glsl");
     add_module(assembly, "camera/pinhole.glsl");
@@ -72,6 +73,7 @@ static void add_tracking(struct assembly *assembly)
 
     if (features->has_majorants) add_module(assembly, "math/tracking.glsl");
     scene_glue_write_tracking(generate(assembly), assembly->model);
+    if (features->is_walked) return;
     if (features->estimates_columns) {
         if (!features->has_majorants) add_module(assembly, "math/segment.glsl");
         if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
@@ -84,16 +86,17 @@ static void add_tracking(struct assembly *assembly)
 static void add_media(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->model->features;
+    bool is_random = features->is_tracked || features->is_walked;
 
     for (size_t i = 0; i < features->medium_count; ++i)
         if (features->media[i].is_seen) add_density(assembly, i);
-    if (features->has_extinction && !features->is_tracked && assembly->model->job->quality.method != JOB_METHOD_RIEMANN)
+    if (features->has_extinction && !is_random && assembly->model->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
-    if (features->has_extinction && features->has_depth && !features->is_tracked)
+    if (features->has_extinction && features->has_depth && !is_random)
         add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
     scene_glue_write_media(generate(assembly), assembly->model);
     scene_glue_write_steps(assembly->text.out, assembly->model);
-    if (features->is_tracked) add_tracking(assembly);
+    if (is_random) add_tracking(assembly);
 }
 
 static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
@@ -149,7 +152,7 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, "math/arc.glsl");
         add_module(assembly, "light/point_segment.glsl");
     }
-    if (features->has_extinction && !features->is_tracked)
+    if (features->has_extinction && !features->is_tracked && !features->is_walked)
         add_module(assembly, integrator_to_lights(assembly->model)->module);
     scene_glue_write_lights(generate(assembly), assembly->model);
     if (features->has_light_grids) add_light_grids(assembly);
@@ -169,8 +172,33 @@ static void add_slices(struct assembly *assembly)
     scene_glue_write_slice(generate(assembly), assembly->model);
 }
 
+// Adds random paths in place of an integrator.
+static void add_walk(struct assembly *assembly)
+{
+    const struct scene_model *model = assembly->model;
+
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        for (size_t k = 0; k < model->job->scene.media[i].lobe_count; ++k) {
+            if (model->features.media[i].lobes[k] == LOBE_HENYEY_GREENSTEIN)
+                add_module(assembly, "scatter/sample_henyey_greenstein.glsl");
+            if (model->features.media[i].lobes[k] == LOBE_RAYLEIGH)
+                add_module(assembly, "scatter/sample_rayleigh.glsl");
+        }
+    add_module(assembly, "light/sample.glsl");
+    add_module(assembly, "scatter/random.glsl");
+    add_module(assembly, "scatter/turn.glsl");
+    add_module(assembly, "scatter/ray.glsl");
+    scene_glue_write_walk(generate(assembly), model);
+    scene_glue_write_walk_start(assembly->text.out);
+    add_module(assembly, "scatter/walk.glsl");
+}
+
 static void add_integrator(struct assembly *assembly)
 {
+    if (assembly->model->features.is_walked) {
+        add_walk(assembly);
+        return;
+    }
     if (assembly->model->features.places_points) add_placement(assembly);
     if (assembly->model->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
     if (assembly->model->features.is_gauss) {

@@ -1,0 +1,163 @@
+// Random paths: their mean is the light of reference/, and in media that glow as they absorb a closed form.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/bias_check.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/volume_maker.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#define BALL "\"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9"
+#define COLOURED "\"sigma_s\": [2, 1, 3], \"sigma_a\": [0.2, 1, 0.5]"
+#define EVEN "{ " COLOURED ", \"density\": { \"kind\": \"homogeneous\", " BALL " } } }"
+#define SHARP                                                                                                          \
+    "{ \"sigma_s\": [400, 12, 0.5], \"sigma_a\": [600, 18, 0.5], \"density\": { \"kind\": \"homogeneous\", " BALL      \
+    " } } }"
+#define RAYLEIGH                                                                                                       \
+    "{ " COLOURED ", \"phase\": [ { \"kind\": \"rayleigh\", \"weight\": 0.7 }, { \"g\": -0.6, \"weight\": 0.3 } ],"    \
+    " \"density\": { \"kind\": \"homogeneous\", " BALL ", \"falloff\": 0.8 } } }"
+#define NOISE                                                                                                          \
+    "{ " COLOURED ", \"emission\": [0.1, 0.2, 0.3], \"phase\": [ { \"g\": 0.4, \"weight\": 1 } ], \"density\": {"      \
+    " \"kind\": \"noise\", \"frequency\": 2.5, \"octaves\": 2, \"H\": 0.6, \"lacunarity\": 2, \"bias\": 0.2,"          \
+    " \"mode\": \"clip\", \"scale\": 4, " BALL ", \"falloff\": 0.3 } } }"
+#define FRACTAL                                                                                                        \
+    "{ \"density\": { \"kind\": \"fold_fractal\", \"iterations\": 3, \"offset\": 0.05, \"radius\": 0.4,"               \
+    " \"rotate_x_rad\": 0.3, \"rotate_y_rad\": 0.7, \"exponent\": 1.3, \"scale\": 12 }, " COLOURED " }"
+#define GLOW                                                                                                           \
+    "{ \"sigma_s\": 0, \"sigma_a\": 0, \"emission\": [1, 0.4, 0.1], \"density\": { \"kind\": \"homogeneous\","         \
+    " \"bounds\": { \"kind\": \"box\", \"center\": [0.4, 0.2, 0], \"size\": [0.7, 0.6, 0.5], \"falloff\": 0.2 } } }"
+#define SUN "{ \"kind\": \"sun\", \"intensity\": [3, 2, 1], \"direction\": [-1, -2, 0.5] },"
+#define LAMP "{ \"kind\": \"point\", \"intensity\": [1, 3, 2], \"position\": [1.2, 1, 0.9] },"
+#define PATHS(COUNT) "\"method\": \"paths\", \"paths\": " COUNT
+
+static void assert_fair(const struct bias_check_scene *scene, const double *truth, int frames)
+{
+    struct bias_check_errors errors = bias_check_measure(scene, truth, frames);
+
+    assert_true(fabs(errors.sigmas) < 3.5);
+    // Few bright values hold most of the variance, and colours share collisions.
+    assert_true(errors.chance > 0.4 && errors.chance < 1.9);
+    assert_true(errors.spread > 1e-3);
+}
+
+// Of one scattering reference/ knows the light without noise.
+static void assert_first_order(const char *media, const char *lights)
+{
+    static double truth[BIAS_CHECK_VALUES];
+    const struct bias_check_scene scene = {.media = media, .lights = lights, .quality = PATHS("8")};
+
+    bias_check_find_truth(&scene, truth);
+    assert_fair(&scene, truth, 256);
+}
+
+static void even_media_are_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_first_order(EVEN, SUN);
+    assert_first_order(EVEN, SUN LAMP);
+}
+
+static void coefficients_far_apart_are_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_first_order(SHARP, SUN);
+}
+
+static void several_lobes_are_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_first_order(RAYLEIGH, LAMP);
+}
+
+static void noise_is_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_first_order(NOISE, SUN);
+}
+
+static void several_media_are_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_first_order(EVEN ", " FRACTAL ", " GLOW, SUN LAMP);
+}
+
+static void grids_are_right_on_the_average(void **state)
+{
+    enum { X = 20, Y = 18, Z = 19 };
+    const char *path = temp_folder_path(state, "lumps_20x18x19xuint8.raw");
+    unsigned char voxels[X * Y * Z];
+    char media[1024];
+
+    for (int n = 0; n < X * Y * Z; ++n) {
+        double x = n % X, y = n / X % Y, z = n / X / Y;
+        double near = hypot(hypot(x - 5, y - 6), z - 6), far = hypot(hypot(x - 14, y - 12), z - 13);
+
+        voxels[n] = (unsigned char)fmax(60 - 12 * near, fmax(200 - 40 * far, 0));
+    }
+    volume_maker_write(path, voxels, sizeof voxels);
+    snprintf(media, sizeof media,
+             "{ " COLOURED ", \"density\": { \"kind\": \"grid\", \"file\": \"%s\", \"spacing\": [0.09, 0.09, 0.09],"
+             " \"center\": [0, 0, 0], \"scale\": 0.02 } }",
+             path);
+    assert_first_order(media, SUN);
+}
+
+#define ENDLESS "\"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 60"
+#define GLOWING(PHASE, DENSITY)                                                                                        \
+    "{ \"sigma_s\": [2, 1, 3], \"sigma_a\": [1, 1, 0.5], \"emission\": [1, 1, 0.5], \"phase\": [ " PHASE               \
+    " ], \"density\": { " DENSITY " } }"
+#define NOISE_EVERYWHERE                                                                                               \
+    "\"kind\": \"noise\", \"frequency\": 0.7, \"octaves\": 2, \"mode\": \"remap\", \"scale\": 2, " ENDLESS " }"
+
+// The camera is inside of a medium without an end that emits as it absorbs. Where the albedo is a everywhere, light of
+// k scatterings is a^k (1 - a) in all directions, whatever density and phase: n orders sum up to 1 - a^n, since emitted
+// light scatters n - 1 times.
+static void assert_furnace(const char *media, const char *orders, double count)
+{
+    static const double albedo[3] = {2.0 / 3, 0.5, 6.0 / 7};
+    const struct bias_check_scene scene = {.media = media, .quality = PATHS("2"), .background = "0", .orders = orders};
+    double truth[BIAS_CHECK_VALUES];
+
+    for (int i = 0; i < BIAS_CHECK_VALUES; ++i)
+        truth[i] = 1 - pow(albedo[i % 3], count);
+    assert_fair(&scene, truth, 128);
+}
+
+static void glowing_media_follow_the_geometric_series(void **state)
+{
+    static const char even[] = GLOWING("{ \"g\": 0.6, \"weight\": 1 }", "\"kind\": \"homogeneous\", " ENDLESS " }");
+    static const char noise[] =
+        GLOWING("{ \"kind\": \"rayleigh\", \"weight\": 0.5 }, { \"g\": -0.3, \"weight\": 0.5 }", NOISE_EVERYWHERE);
+
+    (void)state;
+    assert_furnace(even, "1", 1);
+    assert_furnace(even, "2", 2);
+    assert_furnace(even, "5", 5);
+    assert_furnace(even, "\"all\"", INFINITY);
+    assert_furnace(noise, "3", 3);
+    assert_furnace(noise, "\"all\"", INFINITY);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(even_media_are_right_on_the_average),
+        cmocka_unit_test(coefficients_far_apart_are_right_on_the_average),
+        cmocka_unit_test(several_lobes_are_right_on_the_average),
+        cmocka_unit_test(noise_is_right_on_the_average),
+        cmocka_unit_test(several_media_are_right_on_the_average),
+        cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(glowing_media_follow_the_geometric_series),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

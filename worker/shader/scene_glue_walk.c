@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/shader/scene_glue_walk.h"
+
+#include "core/job/job.h"
+#include "worker/model/scene_model.h"
+#include "worker/shader/scene_glue_media.h"
+
+#include <math.h>
+
+// Writes the sum of "medium_I_NAME * density" over media of which `applies` is true.
+static void write_sum(FILE *out, const struct scene_model *model, const char *name,
+                      bool applies(const struct medium_features *medium))
+{
+    const struct scene_features *features = &model->features;
+
+    fprintf(out, "Spectrum walk_%s(MediaField field)\n{\n    Spectrum sum = spectrum(0.0);\n",
+            applies == medium_features_have_column ? "extinction" : "scattering");
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!applies(&features->media[i])) continue;
+        fprintf(out, "    sum += medium_%zu_%s * (", i, name);
+        scene_glue_write_density(out, model, i);
+        fputs(");\n", out);
+    }
+    fputs("    return sum;\n}\n", out);
+}
+
+static bool scatters(const struct medium_features *medium)
+{
+    return medium->scatters;
+}
+
+static void write_emission(FILE *out, const struct scene_model *model)
+{
+    fputs("Spectrum walk_emission(MediaField field, vec3 point)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        const struct medium_features *medium = &model->features.media[i];
+
+        if (!medium->emits && !medium->has_color && !medium->glows) continue;
+        fprintf(out, "    float density_%zu = ", i);
+        scene_glue_write_density(out, model, i);
+        fputs(";\n", out);
+        if (medium->emits) fprintf(out, "    sum += medium_%zu_emission * density_%zu;\n", i, i);
+        if (medium->has_color) fprintf(out, "    sum += medium_%zu_color(field.medium_%zu) * density_%zu;\n", i, i, i);
+        if (medium->glows) fprintf(out, "    sum += medium_%zu_glow(point) * density_%zu;\n", i, i);
+    }
+    fprintf(out, "    return sum;\n}\nfloat walk_least(float length)\n{\n    return %s;\n}\n",
+            model->features.has_emission ? "TRACKING_SAMPLES / max(length, 1e-30)" : "0.0");
+}
+
+// Writes the coefficient of scattering from a light, all media together.
+static void write_scattered(FILE *out, const struct scene_model *model)
+{
+    fputs("Spectrum walk_scattered(MediaField field, vec3 incoming, vec3 outgoing)\n{\n"
+          "    Spectrum sum = spectrum(0.0);\n",
+          out);
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!model->features.media[i].scatters) continue;
+        fprintf(out, "    sum += medium_%zu_sigma_s * (", i);
+        scene_glue_write_density(out, model, i);
+        fprintf(out, " * medium_%zu_phase(incoming, outgoing));\n", i);
+    }
+    fputs("    return sum;\n}\n", out);
+}
+
+// One of several lights is drawn by what each would add without shadows: Chao's reservoir of one.
+static void write_light(FILE *out, const struct scene_model *model)
+{
+    const struct scene_features *features = &model->features;
+    bool has_several = scene_features_count_lights(features) > 1, is_lit = features->media_are_lit;
+
+    fputs("Spectrum walk_light(vec3 point, vec3 incoming, MediaField field, Spectrum weight, inout LightSample light)\n"
+          "{\n    Spectrum lit = spectrum(0.0);\n",
+          out);
+    if (has_several && is_lit) fputs("    float total = 0.0;\n", out);
+    for (size_t i = 0; is_lit && i < model->job->scene.light_count; ++i) {
+        if (!features->light_is_seen[i]) continue;
+        fprintf(
+            out,
+            "    {\n        LightSample candidate = light_%zu(point);\n"
+            "        // Both directions of travel are reversed here, which leaves the angle between them as it is.\n"
+            "        Spectrum share = weight * candidate.irradiance * walk_scattered(field, incoming, "
+            "candidate.direction);\n",
+            i);
+        fputs(has_several ? "        float mean = spectrum_mean(share);\n        total += mean;\n"
+                            "        if (mean > 0.0 && walk_random() * total <= mean) {\n"
+                            "            lit = share / mean;\n            light = candidate;\n        }\n    }\n"
+                          : "        lit = share;\n        light = candidate;\n    }\n",
+              out);
+    }
+    if (has_several && is_lit) fputs("    lit *= total;\n", out);
+    if (is_lit && !features->tracks_to_lights)
+        fputs("    lit *= media_transmittance(media_column_begin(media_spans(point, light.direction), "
+              "light.distance));\n    light.distance = 0.0;\n",
+              out);
+    fputs("    return lit;\n}\n", out);
+}
+
+static void write_lobe(FILE *out, const struct scene_model *model, size_t i, size_t k)
+{
+    switch (model->features.media[i].lobes[k]) {
+    case LOBE_RAYLEIGH:
+        fputs("less = scatter_rayleigh(share);", out);
+        break;
+    case LOBE_HENYEY_GREENSTEIN:
+        fprintf(out, "less = scatter_henyey_greenstein(medium_%zu_lobe_%zu_g, share);", i, k);
+        break;
+    default:
+        fputs("less = 2.0 * share;", out);
+    }
+}
+
+// Writes the choice of a lobe by its weight, and of the angle.
+static void write_lobes(FILE *out, const struct scene_model *model, size_t i)
+{
+    const struct scene_medium *medium = &model->job->scene.media[i];
+    size_t count = 0;
+
+    for (size_t k = 0; k < medium->lobe_count; ++k)
+        count += model->features.media[i].lobes[k] != LOBE_UNSEEN;
+    if (count == 0) fputs("        less = 2.0 * share;\n", out);
+    if (count > 1) fputs("        float lobe = walk_random();\n", out);
+    for (size_t k = 0; k < medium->lobe_count; ++k) {
+        if (model->features.media[i].lobes[k] == LOBE_UNSEEN) continue;
+        fputs("        ", out);
+        if (count > 1) fputs("if (lobe >= 0.0) { ", out);
+        write_lobe(out, model, i, k);
+        if (count > 1) fprintf(out, " lobe -= medium_%zu_lobe_%zu_weight; }", i, k);
+        fputs("\n", out);
+    }
+}
+
+// A medium is drawn by its share of what the path's weight leaves behind.
+static void write_scatter(FILE *out, const struct scene_model *model)
+{
+    const struct scene_features *features = &model->features;
+    size_t count = 0;
+
+    for (size_t i = 0; i < features->medium_count; ++i)
+        count += features->media[i].scatters;
+    fputs("Spectrum walk_scatter(MediaField field, vec3 incoming, Spectrum weight, out vec3 outgoing)\n{\n"
+          "    float share = walk_random();\n    float less = 0.0;\n    Spectrum behind = spectrum(0.0);\n",
+          out);
+    if (count > 1) fputs("    float total = 0.0;\n    int chosen = -1;\n", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        fprintf(out, "    Spectrum part_%zu = weight * medium_%zu_sigma_s * (", i, i);
+        scene_glue_write_density(out, model, i);
+        fputs(");\n", out);
+        if (count > 1)
+            fprintf(out,
+                    "    float mean_%zu = spectrum_mean(part_%zu);\n    total += mean_%zu;\n"
+                    "    if (mean_%zu > 0.0 && walk_random() * total <= mean_%zu) {\n"
+                    "        chosen = %zu;\n        behind = part_%zu / mean_%zu;\n    }\n",
+                    i, i, i, i, i, i, i, i);
+        else
+            fprintf(out, "    behind = part_%zu;\n", i);
+    }
+    if (count > 1) fputs("    behind *= total;\n", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        if (count > 1)
+            fprintf(out, "    if (chosen == %zu) {\n", i);
+        else
+            fputs("    {\n", out);
+        write_lobes(out, model, i);
+        fputs("    }\n", out);
+    }
+    fputs("    outgoing = scatter_turn(incoming, less, walk_random());\n    return behind;\n}\n", out);
+}
+
+void scene_glue_write_walk(FILE *out, const struct scene_model *model)
+{
+    write_sum(out, model, "sigma_t", medium_features_have_column);
+    write_sum(out, model, "sigma_s", scatters);
+    write_emission(out, model);
+    if (model->features.media_are_lit) write_scattered(out, model);
+    write_light(out, model);
+    write_scatter(out, model);
+}
+
+void scene_glue_write_walk_start(FILE *out)
+{
+    fputs("WalkRay walk_camera;\nuvec2 walk_pixel;\n"
+          "WalkRay walk_start(int path)\n{\n"
+          "    walk_random_start(walk_pixel, uint(path), uint(sample_index), uint(frame_seed));\n"
+          "    return walk_camera;\n}\n",
+          out);
+}
+
+// Transmittance is estimated by a fraction of the paths' number; homogeneous media alone need none.
+static void write_sums(FILE *out, const struct scene_model *model)
+{
+    const struct scene_camera *camera = &model->job->scene.camera;
+    const struct scene_features *features = &model->features;
+
+    fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
+    fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
+    if (isfinite(camera->clip_far))
+        fprintf(out, "%.9e);\n", camera->clip_far);
+    else
+        fputs("FAR_AWAY);\n", out);
+    fprintf(out,
+            "    walk_pixel = pixel;\n    walk_camera = WalkRay(camera.position, direction, clip);\n"
+            "    int paths = int(quality_paths);\n    int passes = %s;\n"
+            "    vec2 interval = span_meet(media_interval(spans), clip);\n"
+            "    WalkSums sums = WalkSums(spectrum(0.0), spectrum(float(passes)), vec2(0.0));\n"
+            "    if (interval.x < interval.y && interval.y > 0.0) sums = walk(passes, paths, %d);\n"
+            "    Spectrum light = sums.light / float(paths);\n",
+            features->has_extinction ? "max(paths / 4, 1)" : "0", model->job->scene.orders);
+    fprintf(out, "    Spectrum passed = %s;\n",
+            features->has_extinction ? "sums.passed / float(passes)" : "spectrum(1.0)");
+    if (features->has_extinction) fputs("    pixel_is_dimmed = spectrum_mean(passed) < 1.0;\n", out);
+}
+
+void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
+{
+    const struct scene_features *features = &model->features;
+
+    write_sums(out, model);
+    fprintf(out, "    rgba = vec4(spectrum_rgb(light%s), %s);\n",
+            features->has_background ? " + passed * background" : "",
+            model->job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(passed)");
+    if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
+    if (features->has_depth) {
+        fputs("    float half_way = 2.0 * sums.depth.y > float(passes) ? sums.depth.x / sums.depth.y : 0.0;\n", out);
+        if (model->job->quality.samples > 1)
+            fputs("    depth = vec2(half_way / length(toward), half_way > 0.0 ? 1.0 : 0.0);\n", out);
+        else
+            fputs("    depth = half_way / length(toward);\n", out);
+    }
+    fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
+}

@@ -1,0 +1,19 @@
+// Writes the part of a scene's shader that random paths ask: coefficients, lights and directions at a vertex.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdio.h>
+
+struct scene_model;
+
+// What shaders/scatter/walk.glsl calls, after media, majorants and lights; all coefficients are per metre:
+//   walk_extinction(field), walk_scattering(field), walk_emission(field, point)
+//   walk_least(length)   samples per metre that a flight needs at least, where some medium is
+//   walk_light(point, incoming, field, weight, light)  samples the lights: what of the path's `weight` one of them
+//   adds, and where it is; is the transmittance of the media known, that is in it, and the light is at no distance
+//   walk_scatter(field, incoming, weight, outgoing)  draws a direction; returns the weight behind
+void scene_glue_write_walk(FILE *out, const struct scene_model *model);
+// Writes `walk_start(path)` for camera rays, and the variables that it reads.
+void scene_glue_write_walk_start(FILE *out);
+// Writes the part of main() between the camera ray and the pixel: its sums become light, transmittance and depth.
+void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model);
