@@ -1,6 +1,6 @@
 """A web server for tests of notices: it keeps what it gets, and answers as its path says.
 
-web_hooks.py FILE: writes its port to standard output; each POST becomes a line of FILE once it is answered.
+web_hooks.py FILE [ADDRESS]: listens there, or at 127.0.0.1; writes its port to standard output; each POST becomes a line of FILE once it is answered.
 /ok 200; /fail 500; /gone 410; /once 500 to the first, then 200; /hang never; /drip 200 and a body without end;
 /away 302 to /ok; /flood 500 with a large body.
 """
@@ -66,7 +66,7 @@ class Hook(http.server.BaseHTTPRequestHandler):
             self.answer(status, b"y" * 10_000_000 if path == "flood" else b"thanks")
 
 
-server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Hook)
+server = http.server.ThreadingHTTPServer((sys.argv[2] if len(sys.argv) > 2 else "127.0.0.1", 0), Hook)
 server.daemon_threads = True
 print(server.server_address[1], flush=True)
 try:

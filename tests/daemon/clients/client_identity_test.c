@@ -203,6 +203,8 @@ static void a_revoke_ends_the_clients_of_that_token(void **state)
     take(stage.clients[0], 1, SCOPE_READ, 0);
     take(stage.clients[1], 2, SCOPE_READ, 0);
     client_identity_end_token(stage.clients[2], 1, "it was revoked");
+    assert_int_equal(stage.clients[0]->access.kind, ACCESS_DROPPED); // of a message, too, that is still being read
+    assert_int_equal(stage.clients[1]->access.kind, ACCESS_TOKEN);
     run_turns(&stage);
     assert_null(stage.clients[0]);
     assert_non_null(stage.clients[1]);
@@ -227,6 +229,7 @@ static void time_ends_the_clients_of_a_token(void **state)
     assert_non_null(stage.clients[0]);
     for (int i = 0; i < CLIENT_COUNT; i++)
         client_identity_check(stage.clients[i], 1000);
+    assert_int_equal(stage.clients[0]->access.kind, ACCESS_DROPPED);
     run_turns(&stage);
     assert_null(stage.clients[0]);
     assert_non_null(stage.clients[1]);
