@@ -26,10 +26,16 @@ class Answer:
 class Client:
     """One connection."""
 
-    def __init__(self, port, host="127.0.0.1", source=None):
-        """`source`: the address that it comes from."""
+    def __init__(self, port, host="127.0.0.1", source=None, window=0):
+        """`source`: the address that it comes from. `window`: bytes that the kernel keeps for it, unless 0."""
         self.port = port
-        self.socket = socket.create_connection((host, port), PATIENCE_S, source and (source, 0))
+        self.socket = socket.socket()
+        self.socket.settimeout(PATIENCE_S)
+        if source:
+            self.socket.bind((source, 0))
+        if window:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, window)
+        self.socket.connect((host, port))
         self.buffer = b""
 
     def __enter__(self):
@@ -115,8 +121,8 @@ class Closed(Exception):
 
 
 class WebSocket:
-    def __init__(self, port, headers=(), path="/ws", protocol="marchd", host=None):
-        self.client = Client(port)
+    def __init__(self, port, headers=(), path="/ws", protocol="marchd", host=None, window=0):
+        self.client = Client(port, window=window)
         pairs = list(headers.items()) if isinstance(headers, dict) else list(headers)
         pairs += [("Upgrade", "websocket"), ("Connection", "Upgrade"), ("Sec-WebSocket-Version", "13"),
                   ("Sec-WebSocket-Key", base64.b64encode(os.urandom(16)).decode())]

@@ -158,9 +158,14 @@ void farm_connection_send(struct farm_connection *connection, const char *text, 
     if (connection->stage == READY) send_line(connection, text, length);
 }
 
+size_t farm_connection_waiting(const struct farm_connection *connection)
+{
+    return uv_stream_get_write_queue_size((const uv_stream_t *)&connection->pipe);
+}
+
 bool farm_connection_is_full(const struct farm_connection *connection)
 {
-    return uv_stream_get_write_queue_size((const uv_stream_t *)&connection->pipe) > WAITING_LIMIT;
+    return farm_connection_waiting(connection) > WAITING_LIMIT;
 }
 
 static void on_written(uv_write_t *request, int status)

@@ -44,6 +44,7 @@ void farm_connection_set_user(struct farm_connection *connection, void *user);
 const struct farm_identity *farm_connection_identity(const struct farm_connection *connection);
 // One message. Line feeds within become spaces, for a line is a message. Legal once it is ready.
 void farm_connection_send(struct farm_connection *connection, const char *text, size_t length);
+size_t farm_connection_waiting(const struct farm_connection *connection);       // bytes that wait to be sent
 bool farm_connection_is_full(const struct farm_connection *connection);         // on_drained follows
 void farm_connection_pause(struct farm_connection *connection, bool is_paused); // stops and starts to read
 // No handler is called from here on; accepts NULL.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/http/http_budget.h"
 #include "web/http/http_peer.h"
 
 #include <libwebsockets.h>
@@ -15,6 +16,7 @@ struct http_server;
 struct http_socket;
 
 enum {
+    HTTP_SMALL_SIZE = 4096,       // bytes of a body or an answer that are not counted
     HTTP_QUERY_LIMIT = 16,        // NAME=VALUE of one address
     HTTP_HEAD_LIMIT = 8 * 1024,   // bytes of a request's line and headers
     HTTP_HEAD_TIME_MS = 30000,    // for a request's line and headers, after the connection or the last answer
@@ -31,6 +33,8 @@ struct http_connection {
     struct http_socket *socket;   // owned; NULL: no WebSocket
     uint64_t deadline_ms;         // of the loop's clock; 0: none
     uint64_t since_ms;            // of the loop's clock: its request began, or its last one ended
+    uint64_t end_ms;              // likewise: no deadline is later; 0: any
+    struct http_hold hold;        // what its request or WebSocket has in memory
     struct http_peer peer;
     bool is_known;                           // the farm has taken the token of its request or WebSocket
     bool is_leaving;                         // it is being killed
@@ -45,10 +49,11 @@ struct http_request {
     char *queries[HTTP_QUERY_LIMIT];                              // owned
     size_t query_count;
     bool is_secure;
-    bool is_by_cookie;                            // the token is the cookie's
-    char *body;                                   // owned
-    size_t body_size, body_capacity, body_length; // `body_length`: as the header has it
-    bool has_all;                                 // with its body
+    bool is_by_cookie;             // the token is the cookie's
+    char *body;                    // owned
+    size_t body_size, body_length; // `body_length`: as the header has it
+    size_t held;                   // bytes of the connection's hold that are its own
+    bool has_all;                  // with its body
     void (*on_gone)(void *user);
     void *user;
     // The answer.
@@ -62,6 +67,9 @@ struct http_request {
 
 // The time from now until which the connection waits; 0: without an end.
 void http_connection_wait(struct http_connection *connection, uint64_t time_ms);
+// An answer begins to be sent: the connection ends when that takes longer than the settings allow.
+void http_connection_begin_sending(struct http_connection *connection);
+void http_connection_end_sending(struct http_connection *connection);
 void http_connection_kill(struct http_connection *connection); // soon, from the loop
 // Whose it is from here on; NULL: the farm does not know.
 void http_connection_assign(struct http_connection *connection, const char *user);

@@ -2,6 +2,7 @@
 #include "web/http/http_request.h"
 
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "core/json/json_write.h"
 #include "web/http/http_connection.h"
 #include "web/http/http_credentials.h"
@@ -50,6 +51,7 @@ void http_request_destroy(struct http_request *request)
     if (request->has_file) close(request->file_fd);
     free(request->head);
     free(request->content);
+    http_hold_give(&request->connection->hold, request->held);
     free(request);
 }
 
@@ -203,23 +205,51 @@ static bool is_known(const struct http_request *request, const char *etag)
     return at && at > request->known_etag && at[-1] == '"' && at[strlen(etag)] == '"';
 }
 
+// Makes room for the content, and where it is a file for one part of it; libwebsockets may have another part.
+// False: too much waits already.
+static bool hold_content(struct http_request *request, const struct http_answer *answer)
+{
+    size_t piece = answer->size_bytes < PIECE ? answer->size_bytes : PIECE;
+    size_t room = LWS_PRE + (answer->has_file ? piece : answer->size_bytes);
+
+    http_hold_give(&request->connection->hold, request->held); // its body is gone, or goes with this
+    request->held = 0;
+    if (answer->size_bytes > HTTP_SMALL_SIZE) {
+        if (!http_hold_take(&request->connection->hold, room + piece)) return false;
+        request->held = room + piece;
+    }
+    request->content = xmalloc(room);
+    return true;
+}
+
+static void answer_later(struct http_request *request, const struct http_answer *answer)
+{
+    log_debug("%s: an answer of %zu bytes is too much", request->connection->peer.address, answer->size_bytes);
+    if (answer->has_file) close(answer->file_fd);
+    http_request_fail(request, 503, "too much waits here already: try again in a moment");
+}
+
 void http_request_answer(struct http_request *request, const struct http_answer *answer)
 {
     bool is_cached = is_known(request, answer->etag);
+    bool has_content = answer->size_bytes > 0 && !is_cached && !http_request_is_head(request);
     int status = is_cached ? 304 : answer->status ? answer->status : 200;
 
+    if (has_content && !hold_content(request, answer)) {
+        answer_later(request, answer);
+        return;
+    }
     // What was not read of it would be taken for the next request.
     if (!request->has_all) request->wants_close = true;
     compose_head(request, answer, status, answer->size_bytes);
-    if (answer->size_bytes > 0 && !is_cached && !http_request_is_head(request)) {
-        request->content = xmalloc(LWS_PRE + (answer->has_file ? PIECE : answer->size_bytes));
+    if (has_content) {
         if (!answer->has_file) memcpy(request->content + LWS_PRE, answer->bytes, answer->size_bytes);
         request->content_size = answer->size_bytes;
     }
     request->has_file = answer->has_file;
     request->file_fd = answer->file_fd;
     request->is_answered = true;
-    http_connection_wait(request->connection, HTTP_WRITE_TIME_MS);
+    http_connection_begin_sending(request->connection);
     lws_callback_on_writable(request->connection->wsi);
 }
 

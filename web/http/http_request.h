@@ -42,6 +42,7 @@ size_t http_request_query_count(const struct http_request *request);
 const char *http_request_query_at(const struct http_request *request, size_t index); // "NAME=VALUE"
 const char *http_request_token(const struct http_request *request);                  // NULL: none
 const char *http_request_known_etag(const struct http_request *request);             // If-None-Match; NULL: none
+// Legal until the route's `answer` returns.
 const char *http_request_body(const struct http_request *request, size_t *size_bytes);
 const char *http_request_address(const struct http_request *request); // of the peer, for the log
 bool http_request_is_head(const struct http_request *request);        // only the answer's head is wanted

@@ -26,6 +26,7 @@ struct http_server {
     struct lws_vhost *vhost;             // the context's
     struct http_connections connections; // owned
     struct http_known *known;            // owned
+    struct http_budget *budget;          // owned
     uv_timer_t sweep;
     void *loops[1];
     bool is_closing;
@@ -46,6 +47,22 @@ static const lws_retry_bo_t silence = {.secs_since_valid_ping = PING_S, .secs_si
 void http_connection_wait(struct http_connection *connection, uint64_t time_ms)
 {
     connection->deadline_ms = time_ms ? uv_now(connection->server->params.loop) + time_ms : 0;
+    if (connection->end_ms && (!time_ms || connection->deadline_ms > connection->end_ms))
+        connection->deadline_ms = connection->end_ms;
+}
+
+void http_connection_begin_sending(struct http_connection *connection)
+{
+    const struct http_server_params *params = &connection->server->params;
+
+    connection->end_ms = uv_now(params->loop) + params->send_time_ms;
+    http_connection_wait(connection, HTTP_WRITE_TIME_MS);
+}
+
+void http_connection_end_sending(struct http_connection *connection)
+{
+    connection->end_ms = 0;
+    http_connection_wait(connection, 0);
 }
 
 void http_connection_kill(struct http_connection *connection)
@@ -76,6 +93,7 @@ static void on_connection(void *user, int fd, const struct http_peer *peer)
     }
     lws_set_opaque_user_data(connection->wsi, connection);
     http_connections_add(&server->connections, connection);
+    http_connection_assign(connection, NULL);
     http_connection_wait(connection, HTTP_HEAD_TIME_MS);
 }
 
@@ -85,6 +103,7 @@ static void forget_connection(struct http_connection *connection)
 
     http_request_destroy(connection->request);
     http_socket_destroy(connection->socket);
+    http_hold_end(&connection->hold);
     http_connections_remove(&server->connections, connection);
     free(connection);
     tell_if_closed(server);
@@ -98,6 +117,7 @@ struct http_known *http_connection_known(const struct http_connection *connectio
 void http_connection_assign(struct http_connection *connection, const char *user)
 {
     connection->is_known = user != NULL;
+    http_hold_assign(connection->server->budget, &connection->hold, user ? user : connection->peer.place, user != NULL);
 }
 
 static const struct http_route *find_route(const struct http_server *server, const char *method, const char *path,
@@ -119,6 +139,17 @@ static void run_route(struct http_request *request)
     request->has_all = true;
     http_connection_wait(request->connection, HTTP_ANSWER_TIME_MS);
     request->route->answer(request, request->route->user);
+    free(request->body); // who waits for an answer has copied it
+    request->body = NULL;
+}
+
+// False: there is no memory for its body.
+static bool hold_body(struct http_request *request)
+{
+    if (request->body_length <= HTTP_SMALL_SIZE) return true;
+    if (!http_hold_take(&request->connection->hold, request->body_length + 1)) return false;
+    request->held = request->body_length + 1;
+    return true;
 }
 
 static void refuse(struct http_request *request, int status, const char *text)
@@ -151,6 +182,8 @@ static int on_head(struct http_connection *connection)
         refuse(request, 401, "expected a token or a session's cookie");
     else if (request->body_length > request->route->body_limit)
         refuse(request, 413, "the body is too large");
+    else if (!hold_body(request))
+        refuse(request, 503, "too much waits here already: try again in a moment");
     else if (request->body_length > 0)
         http_connection_wait(connection, HTTP_BODY_TIME_MS);
     else
@@ -164,7 +197,7 @@ static int on_body(struct http_connection *connection, const char *bytes, size_t
 
     if (!request || request->is_answered || request->has_all) return 0;
     if (request->body_size + size > request->body_length) return -1;
-    request->body = xgrow(request->body, &request->body_capacity, request->body_size + size + 1, 1);
+    if (!request->body) request->body = xmalloc(request->body_length + 1);
     memcpy(request->body + request->body_size, bytes, size);
     request->body_size += size;
     request->body[request->body_size] = '\0';
@@ -213,6 +246,7 @@ static int on_writable(struct http_connection *connection)
     connection->request = NULL;
     if (wants_close || lws_http_transaction_completed(connection->wsi)) return -1;
     connection->since_ms = uv_now(connection->server->params.loop);
+    http_connection_end_sending(connection);
     http_connection_wait(connection, HTTP_HEAD_TIME_MS);
     return 0;
 }
@@ -301,6 +335,8 @@ static void on_sweep(uv_timer_t *timer)
 
     for (struct http_connection *at = server->connections.first; at; at = at->next) {
         if ((!at->deadline_ms || at->deadline_ms > now) && !is_deserted(at)) continue;
+        log_debug("%s: a connection ends: %s", at->peer.address,
+                  at->end_ms && at->end_ms <= now ? "its answer was not taken in time" : "it was silent");
         at->deadline_ms = 0;
         http_connection_kill(at);
     }
@@ -358,12 +394,14 @@ struct http_server *http_server_open(const struct http_server_params *params, st
 
     server->params = *params;
     server->known = http_known_create();
+    server->budget = http_budget_create(params->buffer_bytes);
     server->connections.limit = params->connection_limit;
     server->connections.place_limit = params->address_limit;
     server->listener = http_listener_open(&listener, error);
     if (!server->listener || !open_context(server, error)) {
         http_listener_close(server->listener);
         http_known_destroy(server->known);
+        http_budget_destroy(server->budget);
         free(server);
         return NULL;
     }
@@ -400,5 +438,6 @@ void http_server_destroy(struct http_server *server)
     if (!server) return;
     lws_context_destroy(server->context);
     http_known_destroy(server->known);
+    http_budget_destroy(server->budget);
     free(server);
 }

@@ -22,6 +22,8 @@ struct http_server_params {
     void *sockets_user;
     size_t connection_limit; // of all
     size_t address_limit;    // of one place (see http_peer.h)
+    size_t buffer_bytes;     // of bodies and answers that wait (see http_budget.h)
+    uint64_t send_time_ms;   // for an answer to leave, and for a WebSocket that is full
 };
 
 struct http_server *http_server_open(const struct http_server_params *params, struct error *error);

@@ -2,6 +2,7 @@
 #include "web/http/http_socket.h"
 
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "core/wire/message_stream.h"
 #include "web/http/http_connection.h"
 #include "web/http/http_socket_events.h"
@@ -10,6 +11,8 @@
 #include <string.h>
 
 enum { TURN_LIMIT = 64, CLOSE_TIME_MS = 10000, REASON_LIMIT = 100 };
+
+static const char too_much[] = "too much waits here already";
 
 // A message that waits.
 struct outgoing {
@@ -23,7 +26,7 @@ struct http_socket {
     const struct http_socket_handlers *handlers;
     void *user, *link;              // borrowed; `link` is NULL before on_open
     struct outgoing *first, **last; // owned
-    size_t waiting_bytes;
+    size_t waiting_bytes, beside_bytes;
     bool was_full, is_paused;
     char *message; // owned; what has come of the one that is read
     size_t message_length, message_capacity;
@@ -49,7 +52,16 @@ static void drop_first(struct http_socket *socket)
     socket->first = first->next;
     if (!socket->first) socket->last = &socket->first;
     socket->waiting_bytes -= first->length;
+    http_hold_give(&socket->connection->hold, sizeof *first + LWS_PRE + first->length);
     free(first);
+}
+
+static void drop_message(struct http_socket *socket)
+{
+    http_hold_give(&socket->connection->hold, socket->message_capacity);
+    free(socket->message);
+    socket->message = NULL;
+    socket->message_length = socket->message_capacity = 0;
 }
 
 void http_socket_destroy(struct http_socket *socket)
@@ -58,7 +70,8 @@ void http_socket_destroy(struct http_socket *socket)
     if (socket->link) socket->handlers->on_closed(socket->link);
     while (socket->first)
         drop_first(socket);
-    free(socket->message);
+    drop_message(socket);
+    http_hold_give(&socket->connection->hold, socket->beside_bytes);
     free(socket);
 }
 
@@ -67,11 +80,34 @@ void http_socket_set_user(struct http_socket *socket, const char *user)
     http_connection_assign(socket->connection, user);
 }
 
+// More than the client may have in memory would wait: what waits is dropped, for who does not read would keep it.
+static void give_up(struct http_socket *socket)
+{
+    log_debug("%s: a WebSocket ends: %s", socket->connection->peer.address, too_much);
+    while (socket->first)
+        drop_first(socket);
+    http_socket_close(socket, HTTP_SOCKET_TRY_LATER, too_much);
+}
+
+void http_socket_set_beside(struct http_socket *socket, size_t size_bytes)
+{
+    http_hold_give(&socket->connection->hold, socket->beside_bytes);
+    socket->beside_bytes = 0;
+    if (http_hold_take(&socket->connection->hold, size_bytes))
+        socket->beside_bytes = size_bytes;
+    else
+        give_up(socket);
+}
+
 void http_socket_send(struct http_socket *socket, const char *text, size_t length)
 {
     struct outgoing *outgoing;
 
     if (socket->close_code) return;
+    if (!http_hold_take(&socket->connection->hold, sizeof *outgoing + LWS_PRE + length)) {
+        give_up(socket);
+        return;
+    }
     outgoing = xmalloc(sizeof *outgoing + LWS_PRE + length);
     outgoing->next = NULL;
     outgoing->length = length;
@@ -79,7 +115,11 @@ void http_socket_send(struct http_socket *socket, const char *text, size_t lengt
     *socket->last = outgoing;
     socket->last = &outgoing->next;
     socket->waiting_bytes += length;
-    if (http_socket_is_full(socket)) socket->was_full = true;
+    if (!socket->was_full && http_socket_is_full(socket)) {
+        socket->was_full = true;
+        http_connection_begin_sending(socket->connection);
+        http_connection_wait(socket->connection, 0);
+    }
     lws_callback_on_writable(socket->connection->wsi);
 }
 
@@ -133,6 +173,19 @@ static int end(struct http_socket *socket, enum http_socket_code code, const cha
     return 0;
 }
 
+// False: too much waits already.
+static bool make_room(struct http_socket *socket, size_t wanted)
+{
+    size_t capacity = socket->message_capacity;
+
+    while (capacity < wanted)
+        capacity = capacity ? 2 * capacity : HTTP_SMALL_SIZE;
+    if (!http_hold_take(&socket->connection->hold, capacity - socket->message_capacity)) return false;
+    socket->message = xrealloc(socket->message, capacity);
+    socket->message_capacity = capacity;
+    return true;
+}
+
 int http_socket_on_receive(struct http_socket *socket, const char *bytes, size_t size)
 {
     struct lws *wsi = socket->connection->wsi;
@@ -141,15 +194,13 @@ int http_socket_on_receive(struct http_socket *socket, const char *bytes, size_t
     if (lws_frame_is_binary(wsi)) return end(socket, HTTP_SOCKET_NO_TEXT, "expected text");
     if (socket->message_length + size > MESSAGE_LINE_LIMIT)
         return end(socket, HTTP_SOCKET_TOO_BIG, "a message has at most 4 MiB");
-    socket->message = xgrow(socket->message, &socket->message_capacity, socket->message_length + size + 1, 1);
+    if (!make_room(socket, socket->message_length + size + 1)) return end(socket, HTTP_SOCKET_TRY_LATER, too_much);
     memcpy(socket->message + socket->message_length, bytes, size);
     socket->message_length += size;
     if (!lws_is_final_fragment(wsi)) return 0;
     socket->message[socket->message_length] = '\0';
     if (socket->link) socket->handlers->on_message(socket->link, socket->message, socket->message_length);
-    free(socket->message);
-    socket->message = NULL;
-    socket->message_length = socket->message_capacity = 0;
+    drop_message(socket);
     return 0;
 }
 
@@ -168,6 +219,7 @@ int http_socket_on_writable(struct http_socket *socket)
     }
     if (socket->was_full && !http_socket_is_full(socket)) {
         socket->was_full = false;
+        if (!socket->close_code) http_connection_end_sending(socket->connection);
         if (socket->link) socket->handlers->on_drained(socket->link);
     }
     return 0;

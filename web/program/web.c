@@ -172,7 +172,9 @@ bool web_run(const struct web_options *options, struct error *error)
                                         .sockets = &route_socket_handlers,
                                         .sockets_user = &web.sockets,
                                         .connection_limit = (size_t)options->connection_limit,
-                                        .address_limit = (size_t)options->address_limit};
+                                        .address_limit = (size_t)options->address_limit,
+                                        .buffer_bytes = (size_t)options->buffer_bytes,
+                                        .send_time_ms = (uint64_t)options->send_time_ms};
     bool is_begun;
 
     signal(SIGPIPE, SIG_IGN);

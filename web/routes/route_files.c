@@ -40,40 +40,33 @@ static bool is_plain_name(const char *name)
     return true;
 }
 
-// NULL: it is not there, or not a file of a size that can be meant. Owned by the caller.
-static char *read_all(int fd, size_t *size_bytes)
+// False: it is no file of a size that can be meant.
+static bool hash_plain(int fd, char etag[static HASH_TEXT_SIZE], uint64_t *size_bytes)
 {
     struct stat status;
-    char *bytes;
-    size_t length = 0;
-    ssize_t count;
 
-    if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > SIZE_LIMIT) return NULL;
-    bytes = xmalloc((size_t)status.st_size + 1);
-    while (length < (size_t)status.st_size && (count = read(fd, bytes + length, (size_t)status.st_size - length)) > 0)
-        length += (size_t)count;
-    *size_bytes = length;
-    return bytes;
+    if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > SIZE_LIMIT) return false;
+    return hash_file(fd, etag, size_bytes, NULL);
 }
 
 static void answer_file(struct http_request *request, const char *path, const char *type)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    char etag[HASH_TEXT_SIZE], *bytes = NULL;
-    size_t size_bytes = 0;
+    char etag[HASH_TEXT_SIZE];
+    uint64_t size_bytes;
 
     if (fd < 0 && errno != ENOENT) log_warn("%s: %s", path, strerror(errno));
-    if (fd >= 0) bytes = read_all(fd, &size_bytes);
-    if (fd >= 0) close(fd);
-    if (!bytes) {
+    if (fd < 0 || !hash_plain(fd, etag, &size_bytes)) {
+        if (fd >= 0) close(fd);
         http_request_fail(request, 404, "there is no such file");
         return;
     }
-    hash_bytes(bytes, size_bytes, etag);
-    http_request_answer(request,
-                        &(struct http_answer){
-                            .type = type, .bytes = bytes, .size_bytes = size_bytes, .etag = etag, .cache = "no-cache"});
-    free(bytes);
+    http_request_answer(request, &(struct http_answer){.type = type,
+                                                       .has_file = true,
+                                                       .file_fd = fd,
+                                                       .size_bytes = (size_t)size_bytes,
+                                                       .etag = etag,
+                                                       .cache = "no-cache"});
 }
 
 static void answer_name(struct http_request *request, const char *folder, const char *name)

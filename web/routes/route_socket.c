@@ -50,18 +50,23 @@ static void on_message(void *link, char *text, size_t length)
 
     if (!bridge->connection || !bridge->is_ready) return;
     farm_connection_send(bridge->connection, text, length);
+    http_socket_set_beside(bridge->socket, farm_connection_waiting(bridge->connection));
     if (farm_connection_is_full(bridge->connection)) http_socket_pause(bridge->socket, true);
 }
 
 static void on_connection_drained(void *user)
 {
-    http_socket_pause(((struct bridge *)user)->socket, false);
+    struct bridge *bridge = user;
+
+    http_socket_set_beside(bridge->socket, farm_connection_waiting(bridge->connection));
+    http_socket_pause(bridge->socket, false);
 }
 
 static void on_line(void *user, const char *line, size_t length)
 {
     struct bridge *bridge = user;
 
+    http_socket_set_beside(bridge->socket, farm_connection_waiting(bridge->connection));
     http_socket_send(bridge->socket, line, length);
     if (http_socket_is_full(bridge->socket)) farm_connection_pause(bridge->connection, true);
 }

@@ -23,6 +23,8 @@ const char web_help[] =
     "  --chart-file PATH       the charting library Chart.js (/usr/share/javascript/chart.js/chart.min.js)\n"
     "  --connections N         connections that are open at once; the oldest silent one makes room (1024)\n"
     "  --address-connections N  of these from one address (512)\n"
+    "  --buffer-bytes SIZE     of requests and answers that wait in memory, a quarter for one user (256M)\n"
+    "  --send-time SECONDS     for an answer to reach its reader; after that the connection ends (300)\n"
     "  --worker-program PATH   makes pictures of frames (march-worker beside march-web)\n"
     "  --cache-dir DIR         folder of its own, where pictures are kept (system: /var/cache/marchd-web, else\n"
     "                          $XDG_CACHE_HOME/marchd-web or ~/.cache/marchd-web)\n"

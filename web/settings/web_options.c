@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { CONNECTION_LIMIT = 16384, PICTURE_WORKER_LIMIT = 4 };
+enum { CONNECTION_LIMIT = 16384, PICTURE_WORKER_LIMIT = 4, BUFFER_LEAST = 32 * 1024 * 1024 };
 
 enum option_code {
     OPTION_CONFIG = 256,
@@ -25,6 +25,8 @@ enum option_code {
     OPTION_CHART_FILE,
     OPTION_CONNECTIONS,
     OPTION_ADDRESS_CONNECTIONS,
+    OPTION_BUFFER_BYTES,
+    OPTION_SEND_TIME,
     OPTION_WORKER_PROGRAM,
     OPTION_CACHE_DIR,
     OPTION_CACHE_BYTES,
@@ -52,6 +54,8 @@ static const struct option long_options[] = {
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {"connections", required_argument, NULL, OPTION_CONNECTIONS},
     {"address-connections", required_argument, NULL, OPTION_ADDRESS_CONNECTIONS},
+    {"buffer-bytes", required_argument, NULL, OPTION_BUFFER_BYTES},
+    {"send-time", required_argument, NULL, OPTION_SEND_TIME},
     {"worker-program", required_argument, NULL, OPTION_WORKER_PROGRAM},
     {"cache-dir", required_argument, NULL, OPTION_CACHE_DIR},
     {"cache-bytes", required_argument, NULL, OPTION_CACHE_BYTES},
@@ -164,6 +168,15 @@ static bool set_picture_option(struct setter *setter, int code, const char *text
     }
 }
 
+// One user has a quarter of it, and sends messages of 4 MiB.
+static bool set_buffer(struct web_options *options, const char *text, struct error *error)
+{
+    if (!options_value_limit("buffer-bytes", text, 1024, 0, &options->buffer_bytes, error)) return false;
+    if (options->buffer_bytes >= BUFFER_LEAST) return true;
+    error_set(error, "--buffer-bytes: expected at least 32M, got \"%s\"", text);
+    return false;
+}
+
 static bool set_option(struct setter *setter, int code, const char *text, struct error *error)
 {
     struct web_options *options = setter->options;
@@ -191,6 +204,10 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return options_value_count("connections", text, CONNECTION_LIMIT, &options->connection_limit, error);
     case OPTION_ADDRESS_CONNECTIONS:
         return options_value_count("address-connections", text, CONNECTION_LIMIT, &options->address_limit, error);
+    case OPTION_BUFFER_BYTES:
+        return set_buffer(options, text, error);
+    case OPTION_SEND_TIME:
+        return options_value_seconds("send-time", text, 1.0, &options->send_time_ms, error);
     case OPTION_NOTIFY_TARGET:
     case OPTION_NOTIFY_WEBHOOKS:
     case OPTION_NOTIFY_TIMEOUT:
@@ -348,6 +365,8 @@ bool web_options_read(struct web_options *options, int argc, char **argv, const 
 
     *options = (struct web_options){.connection_limit = 1024,
                                     .address_limit = 512,
+                                    .buffer_bytes = 256 * 1024 * 1024,
+                                    .send_time_ms = 300 * 1000,
                                     .log_level = LOG_INFO,
                                     .notify_timeout_ms = 30 * 1000,
                                     .notify_keep_ms = 24 * 3600 * 1000,

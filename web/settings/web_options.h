@@ -32,6 +32,8 @@ struct web_options {
     char **origins;        // as written; checked by who uses them
     size_t origin_count, origin_capacity;
     int connection_limit, address_limit;
+    int64_t buffer_bytes; // of bodies and answers that wait
+    int64_t send_time_ms; // for an answer to leave
     char *worker_program; // makes pictures of frames
     char *cache_folder;   // where they are kept
     int64_t cache_bytes, picture_memory_bytes, picture_time_ms;

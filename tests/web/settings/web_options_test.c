@@ -69,6 +69,8 @@ static void without_options_it_listens_on_this_machine_alone(void **state)
     assert_string_equal(options.page_folder, "/usr/share/marchd/page");
     assert_string_equal(options.document_folder, "/usr/share/marchd");
     assert_int_equal(options.origin_count, 0);
+    assert_int_equal(options.buffer_bytes, 256 * 1024 * 1024);
+    assert_int_equal(options.send_time_ms, 300 * 1000);
     web_options_finish(&options);
     assert_true(read_options(&options, &mistakes, &ann, "--system"));
     assert_string_equal(options.socket_path, "/run/marchd/marchd.sock");
