@@ -3,6 +3,7 @@
 
 #include "core/job/job.h"
 #include "core/json/json_read.h"
+#include "core/scene/light_rules.h"
 
 static bool check_lights(const struct job *job, const struct json_node *document, struct error *error)
 {
@@ -11,8 +12,8 @@ static bool check_lights(const struct job *job, const struct json_node *document
     for (size_t i = 0; i < job->scene.light_count; i++) {
         struct json_node light = json_node_element(&lights, i), kind = json_node_child(&light, "kind");
 
-        if (job->scene.lights[i].kind >= SCENE_LIGHT_SPOT)
-            return json_fail(&kind, error, "not rendered yet: only point and sun are");
+        if (light_rules_of(job->scene.lights[i].kind)->has_size)
+            return json_fail(&kind, error, "not rendered yet: only point, sun and spot are");
     }
     return true;
 }

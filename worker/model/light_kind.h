@@ -8,7 +8,7 @@
 
 struct frame_uniforms;
 
-enum { LIGHT_VALUE_LIMIT = 4 };
+enum { LIGHT_VALUE_LIMIT = 4, LIGHT_MODULE_LIMIT = 3 };
 
 struct light_value {
     const char *name; // the frame value is light_I_NAME
@@ -17,10 +17,12 @@ struct light_value {
 
 // A new kind is a row in light_kind.c, its module, and what core/scene/light_rules.c says of it.
 struct light_kind {
-    const char *module; // below shaders/
-    const char *call;   // the function and its struct, up to the struct's first member, which is the intensity
+    const char *modules[LIGHT_MODULE_LIMIT];             // below shaders/
+    const char *function;                                // of its sample
+    const char *structure;                               // whose first member is the intensity
     const struct light_value *values[LIGHT_VALUE_LIMIT]; // the other members
     bool is_inverse_square; // its irradiance is LightPoint's; else write_placed_scattering takes it for the intensity
+    bool is_spot;           // the same, times light_spot_share
 };
 
 const struct light_kind *light_kind_of(const struct scene_light *light);

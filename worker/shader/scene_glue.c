@@ -2,12 +2,12 @@
 #include "worker/shader/scene_glue.h"
 
 #include "core/job/job.h"
-#include "core/scene/light_rules.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/shader/scene_glue_gather.h"
+#include "worker/shader/scene_glue_light.h"
 #include "worker/shader/scene_glue_path.h"
 #include "worker/shader/scene_glue_walk.h"
 
@@ -34,16 +34,6 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
     fputs(";\n}\n", out);
 }
 
-static void write_light(FILE *out, const struct scene_light *light, size_t i)
-{
-    const struct light_kind *kind = light_kind_of(light);
-
-    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return %slight_%zu_intensity", i, kind->call, i);
-    for (size_t k = 0; k < LIGHT_VALUE_LIMIT && kind->values[k]; ++k)
-        fprintf(out, ", light_%zu_%s", i, kind->values[k]->name);
-    fprintf(out, ")%s);\n}\n", light_rules_of(light->kind)->has_position ? ", point" : "");
-}
-
 void scene_glue_write_step_limit(FILE *out, const struct scene_model *model)
 {
     const struct scene *scene = &model->job->scene;
@@ -66,7 +56,7 @@ void scene_glue_write_lights(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (model->features.media[i].scatters) write_phase(out, &scene->media[i], &model->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (model->features.light_is_seen[i]) write_light(out, &scene->lights[i], i);
+        if (model->features.light_is_seen[i]) scene_glue_light_write_function(out, &scene->lights[i], i);
 }
 
 static void write_interval(FILE *out, const struct scene_camera *camera)

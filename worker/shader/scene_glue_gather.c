@@ -6,6 +6,7 @@
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/shader/integrators.h"
+#include "worker/shader/scene_glue_light.h"
 #include "worker/shader/scene_glue_media.h"
 #include "worker/shader/scene_glue_steps.h"
 
@@ -83,22 +84,6 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_mo
     fputs(";\n", out);
 }
 
-// Writes the sample of light `i`: for the whole segment where the light has a peak in it. Nodes of a Gauss rule follow
-// 1 / r^2 by themselves, except where segments cannot be shortened further.
-static void write_sample(FILE *out, const struct scene_model *model, size_t i)
-{
-    const struct scene_features *features = &model->features;
-
-    if (features->has_peaks && light_kind_of(&model->job->scene.lights[i])->is_inverse_square)
-        fprintf(out,
-                "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
-                "%s, %s);\n",
-                i, i, features->is_gauss || features->is_jittered ? "offset" : "0.5 * length",
-                features->is_gauss ? "0.25" : "0.99 * LIGHT_POINT_SHARE");
-    else
-        fprintf(out, "light_%zu(point);\n", i);
-}
-
 // Each light's columns are in a grid of its own.
 static void write_cached_scattering(FILE *out, const struct scene_model *model)
 {
@@ -106,7 +91,7 @@ static void write_cached_scattering(FILE *out, const struct scene_model *model)
         if (!model->features.light_is_seen[i]) continue;
         fputs("    {\n", out);
         fputs("        LightSample light = ", out);
-        write_sample(out, model, i);
+        scene_glue_light_write_sample(out, model, i);
         write_scattered(out, "        ", model);
         fprintf(out,
                 "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
@@ -115,25 +100,37 @@ static void write_cached_scattering(FILE *out, const struct scene_model *model)
     }
 }
 
-// One loop over the lights compiles the march to them once: drivers copy functions to where they are called.
+static bool has_spots(const struct scene_model *model)
+{
+    bool found = false;
+
+    for (size_t i = 0; i < model->job->scene.light_count; ++i)
+        found |= model->features.light_is_seen[i] && light_kind_of(&model->job->scene.lights[i])->is_spot;
+    return found;
+}
+
+// One loop over the lights compiles the march to them once: drivers copy functions to where they are called. Outside of
+// a spot's cone there is no march.
 static void write_scattering(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
     size_t count = scene_features_count_lights(features), iteration = 0;
+    bool is_loop = count > 1 || has_spots(model);
 
-    if (count > 1)
+    if (is_loop)
         fprintf(out, "    for (int iteration = 0; iteration < %zu; ++iteration) {\n        LightSample light;\n",
                 count);
     else
         fputs("    {\n", out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
-        if (count > 1)
+        if (is_loop)
             fprintf(out, "        if (iteration == %zu) light = ", iteration++);
         else
             fputs("        LightSample light = ", out);
-        write_sample(out, model, i);
+        scene_glue_light_write_sample(out, model, i);
     }
+    if (has_spots(model)) fputs("        if (spectrum_max(light.irradiance) <= 0.0) continue;\n", out);
     write_scattered(out, "        ", model);
     if (features->has_objects) {
         fputs("        source += scattered * light.irradiance * ", out);
@@ -146,30 +143,48 @@ static void write_scattering(FILE *out, const struct scene_model *model)
     fputs(";\n    }\n", out);
 }
 
-// Writes the light along the whole segment from points placed for this light. Where the transmittance is tiny there are
-// no points.
-static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_model *model,
-                                    size_t i)
+// Writes where points are placed for light `i`. Where the transmittance is tiny, and where a spot does not shine, there
+// are none. A spot's stretch begins at `entry`, after `lit.x` metres.
+static void begin_light_placement(FILE *out, const struct scene_light *light, size_t i)
 {
-    bool is_by_angle = light_kind_of(light)->is_inverse_square;
-
-    fputs("    {\n", out);
-    if (is_by_angle)
+    if (light_kind_of(light)->is_spot) {
+        fputs("        vec2 lit = clamp(light_spot_lit(", out);
+        scene_glue_light_write_value(out, light, i);
+        fprintf(
+            out,
+            ", start, direction), 0.0, seen);\n"
+            "        vec3 entry = start + lit.x * direction;\n"
+            "        PlacementAngle placement = placement_angle(light_%zu_position - entry, direction, lit.y - lit.x, "
+            "spectrum_min(sigma_t));\n",
+            i);
+    } else if (light_kind_of(light)->is_inverse_square) {
         fprintf(out,
                 "        PlacementAngle placement = placement_angle(light_%zu_position - start, direction, seen, "
                 "spectrum_min(sigma_t));\n",
                 i);
-    else
+    } else {
         fputs(
             "        PlacementTransmittance placement = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
             out);
-    fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < count; ++i) {\n", out);
+    }
+    fprintf(out, "        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < %s; ++i) {\n",
+            light_kind_of(light)->is_spot ? "(lit.x < lit.y ? count : 0)" : "count");
+}
+
+// Writes the light along the whole segment from points placed for this light.
+static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_model *model,
+                                    size_t i)
+{
+    bool is_by_angle = light_kind_of(light)->is_inverse_square, is_spot = light_kind_of(light)->is_spot;
+
+    fputs("    {\n", out);
+    begin_light_placement(out, light, i);
     fprintf(out, "            Placed placed = placement_%s_at(placement, placed_share(i));\n",
             is_by_angle ? "angle" : "transmittance");
     fprintf(out,
-            "            vec3 position = start + placed.at * direction;\n"
+            "            vec3 position = %s + placed.at * direction;\n"
             "            LightSample light = light_%zu(position);\n",
-            i);
+            is_spot ? "entry" : "start", i);
     write_scattered(out, "            ", model);
     if (model->features.has_objects) {
         fputs("            Spectrum light_transmittance = ", out);
@@ -179,10 +194,17 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
               "light.distance);\n            Spectrum light_transmittance = media_transmittance(column)",
               out);
     }
-    fputs(" * exp(-sigma_t * placed.at);\n"
-          "            sum += scattered * light_transmittance * (placed_weight(i) * placed.weight);\n        }\n",
-          out);
-    fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
+    fprintf(out, " * exp(-sigma_t * %s);\n            sum += scattered * light_transmittance * ",
+            is_spot ? "(lit.x + placed.at)" : "placed.at");
+    if (is_spot) {
+        fputs("light_spot_share(", out);
+        scene_glue_light_write_value(out, light, i);
+        fputs(", light.direction) * ", out);
+    }
+    fprintf(out,
+            "(placed_weight(i) * placed.weight);\n        }\n"
+            "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n",
+            i);
 }
 
 // Writes the stretch in which points are placed: the whole one, or each piece of it.

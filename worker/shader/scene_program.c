@@ -138,6 +138,21 @@ static void add_light_grids(struct assembly *assembly)
         light_grid_glue_write_lookup(generate(assembly), &program->light_grids[i]);
 }
 
+static void add_light(struct assembly *assembly, const struct light_kind *kind)
+{
+    for (size_t i = 0; i < LIGHT_MODULE_LIMIT && kind->modules[i]; ++i)
+        add_module(assembly, kind->modules[i]);
+}
+
+// Adds what is about a spot and a stretch of a ray.
+static void add_spot(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->model->features;
+
+    if (features->has_peaks || features->places_points) add_module(assembly, "light/spot_lit.glsl");
+    if (features->has_peaks) add_module(assembly, "light/spot_segment.glsl");
+}
+
 static void add_lights(struct assembly *assembly)
 {
     const struct scene *scene = &assembly->model->job->scene;
@@ -147,11 +162,13 @@ static void add_lights(struct assembly *assembly)
         if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
     add_module(assembly, "light/sample.glsl");
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) add_module(assembly, light_kind_of(&scene->lights[i])->module);
+        if (features->light_is_seen[i]) add_light(assembly, light_kind_of(&scene->lights[i]));
     if (features->has_peaks) {
         add_module(assembly, "math/arc.glsl");
         add_module(assembly, "light/point_segment.glsl");
     }
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i] && light_kind_of(&scene->lights[i])->is_spot) add_spot(assembly);
     if (features->has_extinction && !features->is_tracked && !features->is_walked)
         add_module(assembly, integrator_to_lights(assembly->model)->module);
     scene_glue_write_lights(generate(assembly), assembly->model);

@@ -1,0 +1,17 @@
+// Writes what of a scene's shader is about one light: its value and its samples.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stddef.h>
+#include <stdio.h>
+
+struct scene_light;
+struct scene_model;
+
+// Writes the light as an expression: its structure, filled.
+void scene_glue_light_write_value(FILE *out, const struct scene_light *light, size_t i);
+// Writes `LightSample light_I(vec3 point)`.
+void scene_glue_light_write_function(FILE *out, const struct scene_light *light, size_t i);
+// Writes the expression of light `i`'s sample in a march, and ";": for the whole segment where the light has a peak in
+// it. Nodes of a Gauss rule follow 1 / r^2 by themselves, except where segments cannot be shortened further.
+void scene_glue_light_write_sample(FILE *out, const struct scene_model *model, size_t i);
