@@ -94,14 +94,34 @@ double bounds_depth(const struct bounds *bounds, struct vec3 position)
     return depth;
 }
 
-double bounds_weight(const struct bounds *bounds, struct vec3 position)
+static double weight_at_depth(const struct bounds *bounds, double depth)
 {
-    double depth = bounds_depth(bounds, position), share;
+    double share;
 
     if (depth < 0.0) return 0.0;
     if (depth >= bounds->falloff) return 1.0;
     share = depth / bounds->falloff;
     return share * share * (3.0 - 2.0 * share);
+}
+
+double bounds_weight(const struct bounds *bounds, struct vec3 position)
+{
+    return weight_at_depth(bounds, bounds_depth(bounds, position));
+}
+
+double bounds_most(const struct bounds *bounds, const struct box *box)
+{
+    double radius = box_radius(box);
+
+    // The weight grows with the depth, and the depth by no more than the way.
+    return isinf(radius) ? 1.0 : weight_at_depth(bounds, bounds_depth(bounds, box->center) + radius);
+}
+
+bool bounds_extent(const struct bounds *bounds, struct box *box)
+{
+    *box = (struct box){bounds->center, bounds->half};
+    if (bounds->kind == SCENE_BOUNDS_SPHERE) box->half = (struct vec3){bounds->radius, bounds->radius, bounds->radius};
+    return bounds->kind == SCENE_BOUNDS_SPHERE || bounds->kind == SCENE_BOUNDS_BOX;
 }
 
 // Distances to faces are linear along a ray: offset + slope t.

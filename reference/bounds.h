@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/scene/scene.h"
+#include "reference/box.h"
 #include "reference/span_list.h"
 #include "reference/vec3.h"
 
@@ -24,5 +25,9 @@ bool bounds_clip(const struct bounds *bounds, const struct ray *ray, double *nea
 double bounds_depth(const struct bounds *bounds, struct vec3 position);
 // The factor of the density: 0 outside.
 double bounds_weight(const struct bounds *bounds, struct vec3 position);
+// No factor in the box is above it.
+double bounds_most(const struct bounds *bounds, const struct box *box);
+// The box about the region; false: the region is endless.
+bool bounds_extent(const struct bounds *bounds, struct box *box);
 // Splits spans where the weight is not smooth: where the falloff starts and where another face becomes the nearest.
 void bounds_split(const struct bounds *bounds, const struct ray *ray, struct span_list *spans);

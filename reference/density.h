@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "reference/box.h"
 #include "reference/span_list.h"
 #include "reference/vec3.h"
+
+#include <stdbool.h>
 
 struct density {
     const void *field;                                     // borrowed; outlives us
@@ -25,6 +28,12 @@ struct density {
     // The distance along the ray beyond which the density is zero, possibly INFINITY; NULL: it is finite, and spans()
     // finds it.
     double (*reach)(const void *field, const struct ray *ray);
+    // No density in the box is above it, rounding aside; NULL: no bound is known.
+    double (*most)(const void *field, const struct box *box);
+    // The density is zero outside the box that it writes; false, or NULL: there is no such box.
+    bool (*extent)(const void *field, struct box *box);
+    // Narrows the stretch of a ray to where the density may be positive; false: nowhere. NULL: it may be so everywhere.
+    bool (*clip)(const void *field, const struct ray *ray, double *near, double *far);
 };
 
 static inline void density_at_many(const struct density *density, size_t count, const struct vec3 *positions,

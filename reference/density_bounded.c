@@ -66,6 +66,53 @@ static double find_reach(const void *field, const struct ray *ray)
     return fmin(far, bounded->inner.reach(bounded->inner.field, ray));
 }
 
+static double find_most(const void *field, const struct box *box)
+{
+    const struct density_bounded *bounded = field;
+    double weight = bounds_most(&bounded->bounds, box);
+
+    return weight > 0.0 ? weight * bounded->inner.most(bounded->inner.field, box) : 0.0;
+}
+
+static double shared_half(double *center, double half, double other_center, double other_half)
+{
+    double low = fmax(*center - half, other_center - other_half);
+    double high = fmin(*center + half, other_center + other_half);
+
+    *center = 0.5 * (low + high);
+    return fmax(0.5 * (high - low), 0.0);
+}
+
+static void intersect(struct box *box, const struct box *other)
+{
+    box->half.x = shared_half(&box->center.x, box->half.x, other->center.x, other->half.x);
+    box->half.y = shared_half(&box->center.y, box->half.y, other->center.y, other->half.y);
+    box->half.z = shared_half(&box->center.z, box->half.z, other->center.z, other->half.z);
+}
+
+static bool find_extent(const void *field, struct box *box)
+{
+    const struct density_bounded *bounded = field;
+    const struct density *inner = &bounded->inner;
+    struct box own;
+
+    if (!inner->extent || !inner->extent(inner->field, &own)) return bounds_extent(&bounded->bounds, box);
+    if (bounds_extent(&bounded->bounds, box)) {
+        intersect(box, &own);
+    } else {
+        *box = own;
+    }
+    return true;
+}
+
+static bool clip(const void *field, const struct ray *ray, double *near, double *far)
+{
+    const struct density_bounded *bounded = field;
+    const struct density *inner = &bounded->inner;
+
+    return bounds_clip(&bounded->bounds, ray, near, far) && (!inner->clip || inner->clip(inner->field, ray, near, far));
+}
+
 struct density density_bounded(const struct density_bounded *field)
 {
     const struct density *inner = &field->inner;
@@ -78,5 +125,8 @@ struct density density_bounded(const struct density_bounded *field)
                             .spans = find_spans,
                             .rough_spans = inner->rough_spans ? find_rough_spans : NULL,
                             .column = inner->column && is_even ? find_column : NULL,
-                            .reach = inner->reach ? find_reach : NULL};
+                            .reach = inner->reach ? find_reach : NULL,
+                            .most = inner->most ? find_most : NULL,
+                            .extent = find_extent,
+                            .clip = clip};
 }

@@ -65,6 +65,15 @@ double density_fold_fractal(const struct density_fold_fractal *fractal, struct v
     return density_at_depth(fractal, -density_fold_fractal_distance(fractal, position));
 }
 
+double density_fold_fractal_most(const struct density_fold_fractal *fractal, const struct box *box)
+{
+    double depth = fractal->radius, radius = box_radius(box);
+
+    // The depth grows by no more than the way: the distance is Lipschitz with constant 1.
+    if (!isinf(radius)) depth = fmin(depth, radius - density_fold_fractal_distance(fractal, box->center));
+    return density_at_depth(fractal, depth);
+}
+
 double density_fold_fractal_folded(const struct density_fold_fractal *fractal, struct vec3 image)
 {
     return density_at_depth(fractal, fractal->radius - vec3_length(image));

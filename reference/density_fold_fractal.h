@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "reference/box.h"
 #include "reference/span_list.h"
 #include "reference/vec3.h"
 
@@ -24,6 +25,9 @@ double density_fold_fractal(const struct density_fold_fractal *fractal, struct v
 double density_fold_fractal_distance(const struct density_fold_fractal *fractal, struct vec3 position);
 // The density is zero farther from the origin than this.
 double density_fold_fractal_bound(const struct density_fold_fractal *fractal);
+
+// No density in the box is above it.
+double density_fold_fractal_most(const struct density_fold_fractal *fractal, const struct box *box);
 
 // The density of a point that the folds map to `image`.
 double density_fold_fractal_folded(const struct density_fold_fractal *fractal, struct vec3 image);

@@ -28,7 +28,18 @@ static double find_reach(const void *field, const struct ray *ray)
     return INFINITY;
 }
 
+static double find_most(const void *field, const struct box *box)
+{
+    const struct density_function *function = field;
+
+    return function->scale * function->majorant;
+}
+
 struct density density_function(const struct density_function *field)
 {
-    return (struct density){.field = field, .at = at, .spans = find_spans, .reach = find_reach};
+    return (struct density){.field = field,
+                            .at = at,
+                            .spans = find_spans,
+                            .reach = find_reach,
+                            .most = field->majorant > 0.0 ? find_most : NULL};
 }

@@ -12,6 +12,7 @@ struct density_function {
     density_function_at *at;
     const void *context; // borrowed; outlives us
     double time, scale;
+    double majorant; // no value is above it; 0: none is known
 };
 
 struct density density_function(const struct density_function *field); // borrows the field

@@ -84,10 +84,32 @@ static double find_column(const void *field, const struct ray *ray, double near,
     return density->scale * column;
 }
 
+static double find_most(const void *field, const struct box *box)
+{
+    const struct density_grid *density = field;
+    double low, high;
+
+    if (!grid_range(&density->grid, box, &low, &high)) return 0.0;
+    if (density->has_transfer) return transfer_function_most(&density->transfer, low, high);
+    return density->scale * fmax(high, 0.0);
+}
+
+static bool find_extent(const void *field, struct box *box)
+{
+    const struct density_grid *density = field;
+
+    grid_extent(&density->grid, box);
+    return true;
+}
+
 struct density density_grid(const struct density_grid *field)
 {
-    return (struct density){
-        .field = field, .at = at, .spans = find_spans, .column = field->has_transfer ? NULL : find_column};
+    return (struct density){.field = field,
+                            .at = at,
+                            .spans = find_spans,
+                            .column = field->has_transfer ? NULL : find_column,
+                            .most = find_most,
+                            .extent = find_extent};
 }
 
 static void glow_at(const void *field, struct vec3 position, double source[static 3])

@@ -30,7 +30,13 @@ static double find_reach(const void *field, const struct ray *ray)
     return scale_of(field) > 0.0 ? INFINITY : 0.0;
 }
 
+static double find_most(const void *field, const struct box *box)
+{
+    return scale_of(field);
+}
+
 struct density density_homogeneous(const struct density_homogeneous *field)
 {
-    return (struct density){.field = field, .at = at, .spans = find_spans, .column = find_column, .reach = find_reach};
+    return (struct density){
+        .field = field, .at = at, .spans = find_spans, .column = find_column, .reach = find_reach, .most = find_most};
 }

@@ -268,6 +268,36 @@ static double find_reach(const void *field, const struct ray *ray)
     return ((const struct density_noise *)field)->scale > 0.0 ? INFINITY : 0.0;
 }
 
+// The most that an octave's absolute value can be, and its slope per lattice cell: the greatest sums over a cell's
+// corners that gradients of any direction allow, rounded up.
+static const double OCTAVE_MOST = 1.037, OCTAVE_SLOPE_MOST = 4.0;
+
+// Each octave is no greater than its value at the centre and its slope allow, and never above OCTAVE_MOST.
+static double find_most(const void *field, const struct box *box)
+{
+    const struct density_noise *noise = field;
+    struct vec3 local = vec3_subtract(box->center, noise->center);
+    const struct vec3 rows[3] = {noise->row_x, noise->row_y, noise->row_z};
+    const double offsets[3] = {noise->offset.x, noise->offset.y, noise->offset.z};
+    double frequency = 1.0, weight = 1.0, sum = 0.0, q[3], radius = box_radius(box) * noise->frequency;
+
+    for (int a = 0; a < 3; a++)
+        q[a] = vec3_dot(rows[a], local) * noise->frequency + offsets[a];
+    for (int k = 0; k < noise->octaves; k++) {
+        double most = OCTAVE_MOST, room = OCTAVE_SLOPE_MOST * radius * frequency;
+
+        if (room < 2.0 * OCTAVE_MOST) {
+            double value = density_noise_octave((struct vec3){q[0] * frequency, q[1] * frequency, q[2] * frequency});
+
+            most = fmin(most, (noise->mode == SCENE_NOISE_ABSOLUTE ? fabs(value) : value) + room);
+        }
+        sum += weight * most;
+        frequency *= noise->lacunarity;
+        weight *= noise->gain;
+    }
+    return density_of(noise, noise->mode == SCENE_NOISE_REMAP ? 0.5 * (1.0 + sum) : sum);
+}
+
 struct density density_noise_field(const struct density_noise *noise)
 {
     return (struct density){.field = noise,
@@ -275,5 +305,6 @@ struct density density_noise_field(const struct density_noise *noise)
                             .at_many = find_densities,
                             .spans = find_spans,
                             .rough_spans = find_rough_spans,
-                            .reach = find_reach};
+                            .reach = find_reach,
+                            .most = find_most};
 }

@@ -104,6 +104,64 @@ double grid_value(const struct grid *grid, struct vec3 position)
     return corners[0];
 }
 
+// The range of an axis' voxels on which values between two indices depend; false: it lies outside of the box.
+static bool find_voxels(const struct grid *grid, int axis, double low, double high, int *first, int *last)
+{
+    int size = grid->size[axis];
+
+    if (high < -grid->margin || low > size - 1 + grid->margin) return false;
+    *first = clamp(grid->is_nearest ? floor(low + 0.5) : floor(low), size);
+    *last = clamp(grid->is_nearest ? floor(high + 0.5) : floor(high) + 1.0, size);
+    return true;
+}
+
+bool grid_range(const struct grid *grid, const struct box *box, double *low, double *high)
+{
+    // Rounding may move an index to the next voxel.
+    const double sliver = 1e-9;
+    double center[3];
+    int first[3], last[3];
+
+    find_index(grid, box->center, center);
+    for (int a = 0; a < 3; a++) {
+        const double *row = &grid->world_to_index[4 * a];
+        double half = fabs(row[0]) * box->half.x + fabs(row[1]) * box->half.y + fabs(row[2]) * box->half.z;
+
+        half += sliver * (1.0 + fabs(center[a]));
+        if (isnan(half) || isinf(half)) half = INFINITY;
+        if (!find_voxels(grid, a, center[a] - half, center[a] + half, &first[a], &last[a])) return false;
+    }
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int k = first[2]; k <= last[2]; k++)
+        for (int j = first[1]; j <= last[1]; j++) {
+            const float *row = &grid->values[(size_t)grid->size[0] * ((size_t)j + (size_t)grid->size[1] * (size_t)k)];
+
+            for (int i = first[0]; i <= last[0]; i++) {
+                *low = fmin(*low, row[i]);
+                *high = fmax(*high, row[i]);
+            }
+        }
+    return true;
+}
+
+void grid_extent(const struct grid *grid, struct box *box)
+{
+    double to_world[12], center[3], half[3] = {0.0, 0.0, 0.0};
+
+    invert(grid->world_to_index, to_world);
+    for (int a = 0; a < 3; a++) {
+        const double *row = &to_world[4 * a];
+
+        center[a] = row[3];
+        for (int b = 0; b < 3; b++) {
+            center[a] += row[b] * 0.5 * (grid->size[b] - 1);
+            half[a] += fabs(row[b]) * (0.5 * (grid->size[b] - 1) + grid->margin);
+        }
+    }
+    *box = (struct box){vec3_from(center), vec3_from(half)};
+}
+
 void grid_walk_init(struct grid_walk *walk, const struct grid *grid, const struct ray *ray, double near, double far)
 {
     *walk = (struct grid_walk){.grid = grid};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "reference/box.h"
 #include "reference/vec3.h"
 
 #include <stdbool.h>
@@ -26,6 +27,11 @@ struct grid_params {
 void grid_init(struct grid *grid, const struct grid_params *params);
 bool grid_contains(const struct grid *grid, struct vec3 position);
 double grid_value(const struct grid *grid, struct vec3 position); // outside the box: the value at its nearest face
+
+// The least and the greatest value in the part of the grid's box that lies in `box`; false: nothing lies there.
+bool grid_range(const struct grid *grid, const struct box *box, double *low, double *high);
+// The box along the world's axes about the grid's own.
+void grid_extent(const struct grid *grid, struct box *box);
 
 // A stretch of a ray within one cell. The value is a cubic of s, which is 0 at its begin and 1 at its end.
 struct grid_stretch {

@@ -47,9 +47,27 @@ static void fractal_spans(const void *field, const struct ray *ray, double near,
     density_fold_fractal_spans(field, ray, near, far, spans);
 }
 
+static double fractal_most(const void *field, const struct box *box)
+{
+    return density_fold_fractal_most(field, box);
+}
+
+static bool fractal_extent(const void *field, struct box *box)
+{
+    double bound = density_fold_fractal_bound(field);
+
+    *box = (struct box){.half = {bound, bound, bound}};
+    return true;
+}
+
 struct density still_fractal_density(const struct density_fold_fractal *fractal)
 {
-    return (struct density){.field = fractal, .at = fractal_at, .at_image = fractal_at_image, .spans = fractal_spans};
+    return (struct density){.field = fractal,
+                            .at = fractal_at,
+                            .at_image = fractal_at_image,
+                            .spans = fractal_spans,
+                            .most = fractal_most,
+                            .extent = fractal_extent};
 }
 
 static void stop_fractal(struct density_fold_fractal *fractal, const struct scene_fold_fractal *source, double time)
@@ -188,7 +206,8 @@ static bool stop_density(struct density *density, union still_field *field, cons
         field->function = (struct density_function){.at = function->at,
                                                     .context = function->context,
                                                     .time = time,
-                                                    .scale = number_at(&source->glsl.scale, time)};
+                                                    .scale = number_at(&source->glsl.scale, time),
+                                                    .majorant = source->glsl.majorant};
         *density = density_function(&field->function);
         return true;
     }

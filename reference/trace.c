@@ -3,6 +3,7 @@
 
 #include "reference/light_walk.h"
 #include "reference/rough.h"
+#include "reference/surface.h"
 
 #include <math.h>
 
@@ -115,26 +116,12 @@ static void answer_dielectric(struct tracer *tracer, const struct light_ray *ray
     }
 }
 
-static void find_albedo(const struct objects *objects, const struct hit *hit, double albedo[static 3])
-{
-    const struct object *object = &objects->list[hit->region_behind - 1];
-    const struct texture *texture = &object->material.texture;
-    // The boundary may be that of another object, which ended here.
-    bool is_own = hit->shape - object->first_shape < object->shape_count;
-    const struct shape *shape = &objects->shapes[is_own ? hit->shape : object->first_shape];
-    double color[3] = {1.0, 1.0, 1.0};
-
-    if (texture->rgb) texture_sample(texture, texture_find(texture, shape, hit->position), color);
-    for (int c = 0; c < 3; c++)
-        albedo[c] = object->material.albedo[c] * color[c];
-}
-
 static void add_lights(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit, double rest)
 {
     const struct still *still = tracer->still;
     double tolerance = SHADOW_SHARE * relative_of(tracer), albedo[3];
 
-    find_albedo(&still->objects, hit, albedo);
+    surface_find_albedo(&still->objects, hit->region_behind, hit->shape, hit->position, albedo);
     for (size_t i = 0; i < still->light_count; i++) {
         struct light_arrival arrival = light_arrive(&still->lights[i], hit->position);
         struct ray shadow_ray = {hit->position, vec3_scale(arrival.travel, -1.0)};

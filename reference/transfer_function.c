@@ -28,6 +28,18 @@ void transfer_function_color(const struct transfer_function *transfer, double va
         rgb[c] = component(transfer, value, c);
 }
 
+double transfer_function_most(const struct transfer_function *transfer, double low, double high)
+{
+    double most = fmax(component(transfer, low, 3), component(transfer, high, 3));
+
+    for (size_t i = 0; i < transfer->count; i++) {
+        const struct scene_transfer_point *point = &transfer->points[i];
+
+        if (low <= point->value && point->value <= high) most = fmax(most, point->rgba[3]);
+    }
+    return -log1p(-most) / transfer->unit_distance;
+}
+
 bool transfer_function_is_clear(const struct transfer_function *transfer, double low, double high)
 {
     if (component(transfer, low, 3) > 0.0 || component(transfer, high, 3) > 0.0) return false;

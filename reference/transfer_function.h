@@ -15,5 +15,7 @@ struct transfer_function {
 
 double transfer_function_extinction(const struct transfer_function *transfer, double value); // per metre
 void transfer_function_color(const struct transfer_function *transfer, double value, double rgb[static 3]);
+// The greatest extinction of the values from `low` to `high`.
+double transfer_function_most(const struct transfer_function *transfer, double low, double high);
 // True when no value from `low` to `high` has any opacity.
 bool transfer_function_is_clear(const struct transfer_function *transfer, double low, double high);

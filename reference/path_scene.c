@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/path_scene.h"
+
+#include "core/base/error.h"
+
+#include <math.h>
+
+// Collisions across a medium that glows and hardly attenuates: its source is looked at there.
+static const double GLOW_LOOKS = 4.0;
+static const double NARROWEST_REACH = 1e-9; // m
+
+static double sigma_most(const struct medium *medium)
+{
+    double most = 0.0;
+
+    for (int c = 0; c < 3; c++)
+        most = fmax(most, medium->sigma_s[c] + medium->sigma_a[c]);
+    return most;
+}
+
+static bool glows(const struct medium *medium)
+{
+    return medium->glow.at || medium->emission[0] > 0.0 || medium->emission[1] > 0.0 || medium->emission[2] > 0.0;
+}
+
+// True when light may be scattered there for ever.
+static bool is_lossless_without_end(const struct medium *medium)
+{
+    const struct density *density = &medium->density;
+    struct box box;
+
+    if ((density->extent && density->extent(density->field, &box)) || density->clip) return false;
+    if (density->at(density->field, (struct vec3){0.0, 0.0, 0.0}) == 0.0 && density->column) return false;
+    for (int c = 0; c < 3; c++)
+        if (medium->sigma_s[c] > 0.0 && medium->sigma_a[c] == 0.0) return true;
+    return false;
+}
+
+static bool check_media(const struct still *still, struct error *error)
+{
+    for (size_t i = 0; i < still->medium_count; i++) {
+        const struct medium *medium = &still->media[i];
+
+        if (medium->region > 0) return error_set(error, "paths do not enter dielectrics"), false;
+        if (!medium->density.most) return error_set(error, "a density has no known bound"), false;
+        if (is_lossless_without_end(medium))
+            return error_set(error, "a medium without end absorbs nothing: its paths do not end"), false;
+    }
+    return true;
+}
+
+bool path_scene_is_possible(const struct still *still, struct error *error)
+{
+    for (size_t i = 0; i < still->objects.count; i++) {
+        const struct material *material = &still->objects.list[i].material;
+
+        if (material->kind != SCENE_MATERIAL_DIFFUSE || material->specular > 0.0)
+            return error_set(error, "paths follow diffuse surfaces only"), false;
+    }
+    return check_media(still, error);
+}
+
+// Bound of the extinction within `radius` of a position.
+static double extinction_near(const struct path_scene *scene, struct vec3 position, double radius)
+{
+    const struct box box = {position, {radius, radius, radius}};
+    double sum = 0.0;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct density *density = &scene->media[i].medium->density;
+
+        sum += sigma_most(scene->media[i].medium) * density->most(density->field, &box);
+    }
+    return sum;
+}
+
+// The reach is about a mean free path beside the lamp: farther away, paths find the lamp's light by themselves.
+static void find_reach(const struct path_scene *scene, struct path_peak *peak)
+{
+    double reach = 0x1p40, extinction = extinction_near(scene, peak->position, reach);
+
+    while (extinction * reach > 1.0 && reach > NARROWEST_REACH) {
+        reach *= 0.5;
+        extinction = extinction_near(scene, peak->position, reach);
+    }
+    peak->reach = extinction > 0.0 ? reach : 0.0;
+}
+
+static void find_peaks(struct path_scene *scene)
+{
+    const struct still *still = scene->still;
+
+    for (size_t i = 0; i < still->light_count; i++) {
+        const struct light *light = &still->lights[i];
+
+        scene->peaks[i].position = light->position;
+        if (light->kind != SCENE_LIGHT_SUN && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE)
+            find_reach(scene, &scene->peaks[i]);
+    }
+    for (size_t i = 0; i < still->sphere_count; i++) {
+        scene->sphere_peaks[i].position = still->spheres[i].center;
+        find_reach(scene, &scene->sphere_peaks[i]);
+        if (scene->sphere_peaks[i].reach < still->spheres[i].radius) scene->sphere_peaks[i].reach = 0.0;
+    }
+}
+
+static void add_medium(struct path_scene *scene, const struct medium *medium)
+{
+    struct path_medium *added = &scene->media[scene->medium_count++];
+    struct box extent;
+
+    added->medium = medium;
+    added->sigma = sigma_most(medium);
+    added->glows = glows(medium);
+    majorant_init(&added->majorant, &medium->density);
+    if (!added->glows || !(added->majorant.most > 0.0)) return;
+    if (medium->density.extent && medium->density.extent(medium->density.field, &extent))
+        added->sigma = fmax(added->sigma, GLOW_LOOKS / (added->majorant.most * 2.0 * box_radius(&extent)));
+}
+
+void path_scene_init(struct path_scene *scene, const struct still *still, int orders)
+{
+    *scene = (struct path_scene){.still = still, .orders = orders};
+    for (size_t i = 0; i < still->medium_count; i++) {
+        const struct medium *medium = &still->media[i];
+
+        if (sigma_most(medium) > 0.0 || glows(medium)) add_medium(scene, medium);
+    }
+    find_peaks(scene);
+    if (still->has_dome) dome_sampler_init(&scene->dome, &still->dome);
+}
+
+void path_scene_finish(struct path_scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++)
+        majorant_finish(&scene->media[i].majorant);
+    dome_sampler_finish(&scene->dome);
+    *scene = (struct path_scene){0};
+}
+
+double path_peak_share(const struct path_peak *peak, struct vec3 position)
+{
+    struct vec3 away = vec3_subtract(position, peak->position);
+    double near;
+
+    if (!(peak->reach > 0.0)) return 0.0;
+    near = 1.0 - vec3_dot(away, away) / (peak->reach * peak->reach);
+    return near > 0.0 ? near * near : 0.0;
+}

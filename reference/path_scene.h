@@ -1,0 +1,48 @@
+// A still prepared for random paths: bounds of its media, samplers of its lights.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "reference/dome_sampler.h"
+#include "reference/majorant.h"
+#include "reference/still.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+
+// A medium of the air as paths see it.
+struct path_medium {
+    const struct medium *medium; // borrowed
+    struct majorant majorant;    // of its density
+    double sigma;                // tentative collisions per metre and unit of density: at least its extinctions
+    bool glows;                  // it has a source of its own
+};
+
+// A place about which light grows without limit: a lamp's. Within `reach` of it (m; 0: nowhere) paths look for the
+// lamp's light from the vertex before, too.
+struct path_peak {
+    struct vec3 position;
+    double reach;
+};
+
+struct path_scene {
+    const struct still *still; // borrowed; outlives us
+    struct path_medium media[SCENE_MEDIUM_LIMIT];
+    size_t medium_count;
+    struct path_peak peaks[SCENE_LIGHT_LIMIT];        // of the still's lights
+    struct path_peak sphere_peaks[SCENE_LIGHT_LIMIT]; // of its spheres
+    struct dome_sampler dome;
+    int orders; // light of lamps and domes is scattered at most so often, >= 1
+};
+
+// False with an error that says which part of the still paths cannot follow: mirrors, dielectrics, specular surfaces,
+// a density without a known bound, and media without end that absorb nothing.
+bool path_scene_is_possible(const struct still *still, struct error *error);
+// The still, for which that is true, outlives the scene. The caller passes it to path_scene_finish.
+void path_scene_init(struct path_scene *scene, const struct still *still, int orders);
+void path_scene_finish(struct path_scene *scene);
+
+// How much of a lamp's light at a position belongs to the look from the vertex before; the rest is the position's own:
+// it falls smoothly from 1 at the lamp to 0 at its reach.
+double path_peak_share(const struct path_peak *peak, struct vec3 position);

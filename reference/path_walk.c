@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/path_walk.h"
+
+#include "reference/path_light.h"
+#include "reference/path_peak.h"
+#include "reference/surface.h"
+
+#include <math.h>
+
+// Below this throughput a path goes on at random.
+static const double WEAK = 0.1;
+
+struct walker {
+    const struct path_scene *scene;
+    const struct path_walk *walk;
+    struct stream *stream;
+    double *radiance; // 3
+    struct ray ray;
+    double near, far; // m: media count between them on this stretch
+    double throughput[3];
+    int order;                 // scatterings so far
+    struct path_vertex vertex; // the last; or the path's beginning
+    long looks;
+};
+
+// A straight stretch up to a surface or to where the still ends.
+struct stretch {
+    double end; // m; may be INFINITY
+    bool is_inside, has_surface;
+    size_t region, shape; // of the surface
+    struct flight flights[SCENE_MEDIUM_LIMIT];
+    double next[SCENE_MEDIUM_LIMIT];     // m to each medium's next tentative collision
+    double sphere_at[SCENE_LIGHT_LIMIT]; // m to where each sphere is met; INFINITY: nowhere, or it is counted
+};
+
+static double greatest(const double value[static 3])
+{
+    return fmax(fmax(value[0], value[1]), value[2]);
+}
+
+static void advance(struct walker *walker, struct stretch *stretch, size_t medium)
+{
+    double depth = -log1p(-stream_draw(walker->stream));
+
+    stretch->next[medium] = flight_advance(&stretch->flights[medium], depth / walker->scene->media[medium].sigma);
+}
+
+static bool is_beginning(const struct walker *walker)
+{
+    return walker->order == 0;
+}
+
+// True when light counts that arrives straight along the ray from domes and lamps with size.
+static bool meets_light(const struct walker *walker)
+{
+    return !(is_beginning(walker) && walker->walk->is_seen);
+}
+
+static void begin_stretch(struct walker *walker, struct stretch *stretch)
+{
+    const struct path_scene *scene = walker->scene;
+    const struct still *still = scene->still;
+
+    stretch->end = INFINITY;
+    stretch->has_surface = stretch->is_inside = false;
+    if (still->objects.count > 0) {
+        struct object_walk walk;
+
+        objects_walk(&still->objects, &walker->ray, INFINITY, &walk);
+        stretch->is_inside = walk.pieces[0].region > 0;
+        stretch->has_surface = walk.count > 1;
+        if (stretch->has_surface) {
+            stretch->end = walk.pieces[0].end;
+            stretch->region = walk.pieces[1].region;
+            stretch->shape = walk.pieces[0].shape;
+        }
+    }
+    for (size_t i = 0; i < still->sphere_count; i++)
+        stretch->sphere_at[i] =
+            meets_light(walker) ? sphere_light_distance(&still->spheres[i], &walker->ray) : INFINITY;
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        flight_begin(&stretch->flights[i], &scene->media[i].majorant, &walker->ray, walker->near,
+                     fmin(walker->far, stretch->end));
+        advance(walker, stretch, i);
+    }
+}
+
+// Counts the spheres that are met before `at`.
+static void meet_spheres(struct walker *walker, struct stretch *stretch, double at)
+{
+    const struct still *still = walker->scene->still;
+
+    for (size_t i = 0; i < still->sphere_count; i++) {
+        double share = 1.0;
+
+        if (!(stretch->sphere_at[i] < at)) continue;
+        stretch->sphere_at[i] = INFINITY;
+        if (!is_beginning(walker))
+            share = path_light_sphere_share(walker->scene, &walker->vertex, i, walker->ray.direction);
+        for (int c = 0; c < 3; c++)
+            walker->radiance[c] += walker->throughput[c] * share * still->spheres[i].radiance[c];
+    }
+}
+
+static void meet_dome(struct walker *walker)
+{
+    double light[3], share = 1.0;
+
+    if (!walker->scene->still->has_dome || !meets_light(walker)) return;
+    if (!is_beginning(walker)) share = path_light_dome_share(walker->scene, &walker->vertex, walker->ray.direction);
+    dome_radiance(&walker->scene->still->dome, walker->ray.direction, light);
+    for (int c = 0; c < 3; c++)
+        walker->radiance[c] += walker->throughput[c] * share * light[c];
+}
+
+// False: the path ends.
+static bool survives(struct walker *walker)
+{
+    double chance = greatest(walker->throughput) / WEAK;
+
+    if (chance >= 1.0) return true;
+    if (!(stream_draw(walker->stream) < chance)) return false;
+    for (int c = 0; c < 3; c++)
+        walker->throughput[c] /= chance;
+    return true;
+}
+
+// Collects the light at the vertex and draws where the path goes on; false: it ends.
+static bool scatter(struct walker *walker)
+{
+    const struct path_scene *scene = walker->scene;
+    const struct still *still = scene->still;
+    struct path_vertex *vertex = &walker->vertex;
+
+    walker->order++;
+    for (int c = 0; c < 3; c++)
+        vertex->throughput[c] = walker->throughput[c];
+    if (walker->walk->on_vertex)
+        walker->walk->on_vertex(walker->walk->user, walker->order, vertex->position, walker->throughput);
+    path_light_add(scene, vertex, walker->stream, walker->radiance);
+    if (walker->order >= scene->orders && !still->has_dome && still->sphere_count == 0) return false;
+    if (!survives(walker)) return false;
+    for (int c = 0; c < 3; c++)
+        vertex->throughput[c] = walker->throughput[c];
+    walker->ray = (struct ray){vertex->position, path_vertex_draw(vertex, walker->stream)};
+    walker->near = 0.0;
+    walker->far = INFINITY;
+    return true;
+}
+
+static void add_glow(struct walker *walker, const struct path_medium *medium, struct vec3 position, double density,
+                     double rate)
+{
+    double source[3];
+
+    if (!medium->glows || walker->order >= walker->scene->orders) return;
+    medium_source(medium->medium, position, density, source);
+    for (int c = 0; c < 3; c++)
+        walker->radiance[c] += walker->throughput[c] * source[c] / rate;
+}
+
+enum event { EVENT_NONE, EVENT_SCATTERED, EVENT_ENDED };
+
+// Draws what a tentative collision is: a scattering or nothing. What is absorbed is taken from the throughput.
+static enum event collide(struct walker *walker, const struct path_medium *path_medium, double most, double at)
+{
+    const struct medium *medium = path_medium->medium;
+    struct vec3 position = ray_at(&walker->ray, at);
+    double density = medium->density.at(medium->density.field, position), rate = path_medium->sigma * most;
+    double scattered[3], passed[3], scattered_sum = 0.0, passed_sum = 0.0, chance;
+    bool is_scattered;
+
+    walker->looks++;
+    if (density == 0.0) return EVENT_NONE;
+    add_glow(walker, path_medium, position, density, rate);
+    for (int c = 0; c < 3; c++) {
+        double sigma_t = medium->sigma_s[c] + medium->sigma_a[c];
+
+        scattered[c] = walker->throughput[c] * medium->sigma_s[c] * density / rate;
+        passed[c] = walker->throughput[c] * fmax(1.0 - sigma_t * density / rate, 0.0);
+        scattered_sum += scattered[c];
+        passed_sum += passed[c];
+    }
+    if (!(scattered_sum + passed_sum > 0.0)) return EVENT_ENDED;
+    chance = scattered_sum / (scattered_sum + passed_sum);
+    is_scattered = stream_draw(walker->stream) < chance;
+    for (int c = 0; c < 3; c++)
+        walker->throughput[c] = is_scattered ? scattered[c] / chance : passed[c] / (1.0 - chance);
+    if (!is_scattered) return survives(walker) ? EVENT_NONE : EVENT_ENDED;
+    walker->vertex = (struct path_vertex){.position = position, .incoming = walker->ray.direction, .medium = medium};
+    return walker->order < walker->scene->orders ? EVENT_SCATTERED : EVENT_ENDED;
+}
+
+// Follows the stretch through the media to its end or to a scattering.
+static enum event fly(struct walker *walker, struct stretch *stretch)
+{
+    const struct path_scene *scene = walker->scene;
+
+    for (;;) {
+        size_t first = 0;
+        enum event event;
+        double at;
+
+        for (size_t i = 1; i < scene->medium_count; i++)
+            if (stretch->next[i] < stretch->next[first]) first = i;
+        if (scene->medium_count == 0 || isinf(stretch->next[first])) return EVENT_NONE;
+        at = stretch->next[first];
+        meet_spheres(walker, stretch, at);
+        event = collide(walker, &scene->media[first], stretch->flights[first].most, at);
+        if (event != EVENT_NONE) return event;
+        advance(walker, stretch, first);
+    }
+}
+
+// False: the surface is not followed, since light was scattered as often as it may.
+static bool meet_surface(struct walker *walker, const struct stretch *stretch)
+{
+    const struct objects *objects = &walker->scene->still->objects;
+    const struct shape *shape = &objects->shapes[stretch->shape];
+    struct path_vertex *vertex = &walker->vertex;
+    double albedo[3];
+
+    if (walker->order >= walker->scene->orders) return false;
+    *vertex = (struct path_vertex){.incoming = walker->ray.direction, .is_surface = true};
+    vertex->position = shape_snap(shape, ray_at(&walker->ray, stretch->end));
+    vertex->normal = shape_normal(shape, vertex->position);
+    // An object that ends here leaves the face of the one behind it, turned the other way.
+    if (vec3_dot(vertex->normal, walker->ray.direction) > 0.0) vertex->normal = vec3_scale(vertex->normal, -1.0);
+    surface_find_albedo(objects, stretch->region, stretch->shape, vertex->position, albedo);
+    for (int c = 0; c < 3; c++)
+        walker->throughput[c] *= albedo[c];
+    return greatest(walker->throughput) > 0.0;
+}
+
+// False: the path has ended.
+static bool follow(struct walker *walker)
+{
+    struct stretch stretch;
+    enum event event;
+
+    begin_stretch(walker, &stretch);
+    if (stretch.is_inside) return false;
+    if (walker->order < walker->scene->orders)
+        path_peak_add(walker->scene, &walker->vertex, walker->near, fmin(walker->far, stretch.end), walker->stream,
+                      walker->radiance);
+    event = fly(walker, &stretch);
+    if (event == EVENT_NONE) {
+        meet_spheres(walker, &stretch, stretch.end);
+        if (!stretch.has_surface) {
+            meet_dome(walker);
+            return false;
+        }
+        if (!meet_surface(walker, &stretch)) return false;
+    }
+    return event != EVENT_ENDED && scatter(walker);
+}
+
+long path_walk_add(const struct path_scene *scene, const struct path_walk *walk, struct stream *stream,
+                   double radiance[static 3])
+{
+    struct walker walker = {
+        .scene = scene,
+        .walk = walk,
+        .stream = stream,
+        .radiance = radiance,
+        .ray = walk->ray,
+        .near = walk->near,
+        .far = walk->far,
+        .throughput = {1.0, 1.0, 1.0},
+        .vertex = {.position = walk->ray.origin, .incoming = walk->ray.direction, .throughput = {1.0, 1.0, 1.0}},
+    };
+
+    while (follow(&walker)) {
+    }
+    return walker.looks;
+}

@@ -1,0 +1,26 @@
+// One random path through a still: an unbiased estimate of the radiance that arrives along a ray.
+// SPDX-License-Identifier: Apache-2.0
+// Delta tracking through bricks of majorants, each medium by itself; the colours share all draws, by weights that know
+// the path's history: Kutz et al., Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes, SIGGRAPH
+// 2017; Miller, Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of Light Transport, SIGGRAPH 2019.
+#pragma once
+
+#include "reference/path_scene.h"
+#include "reference/stream.h"
+
+struct path_walk {
+    struct ray ray;   // from its origin, against the light's travel
+    double near, far; // m: media of the first stretch count between them; far may be INFINITY
+    bool is_seen;     // emission and the looks at order 1 as a camera sees them: a dome or a sphere met at once is not
+                      // counted. Else the ray is as one that has been scattered: all that it meets counts.
+    // Called at each collision that scatters, and at each surface; NULL: nobody watches. `order` counts from 1,
+    // `throughput` is that after it.
+    void (*on_vertex)(void *user, int order, struct vec3 position, const double throughput[static 3]);
+    void *user;
+};
+
+// Adds one path's estimate to `radiance`: light scattered at most scene->orders times, and what glows at most orders -
+// 1 times; without the background and, for a ray that is seen, without the dome behind the still. Returns the number of
+// looks at densities.
+long path_walk_add(const struct path_scene *scene, const struct path_walk *walk, struct stream *stream,
+                   double radiance[static 3]);
