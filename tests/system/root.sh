@@ -16,11 +16,11 @@ find_mirror()
         grep -oE "https?://[^ ]+/$1/?( |\$)" | head -n 1 | tr -d ' '
 }
 
-# make_base DEB WORKER-DEB FILE: packages are fetched but not installed, because installing the right ones is for the .deb's
+# make_base DEB WORKER-DEB WEB-DEB FILE: packages are fetched but not installed, because installing the right ones is for the .deb's
 # Depends.
 make_base()
 {
-    local deb=$1 worker=$2 file=$3 mirror security
+    local deb=$1 worker=$2 web=$3 file=$4 mirror security
     local root=$work/base
 
     mirror=$(find_mirror debian) || true
@@ -41,23 +41,24 @@ make_base()
     [ -z "$security" ] || echo "deb $security $suite-security main" >>"$root/etc/apt/sources.list"
     cp "$deb" "$root/marchd.deb"
     cp "$worker" "$root/marchd-worker.deb"
-    chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb /marchd-worker.deb' \
+    cp "$web" "$root/marchd-web.deb"
+    chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb /marchd-worker.deb /marchd-web.deb' \
         >"$work/download.log" 2>&1 ||
         skip "apt could not fetch what the package depends on: $(tail -n 1 "$work/download.log")"
-    rm "$root/marchd.deb" "$root/marchd-worker.deb"
+    rm "$root/marchd.deb" "$root/marchd-worker.deb" "$root/marchd-web.deb"
     tar -C "$root" -cf "$file.$$" . && mv "$file.$$" "$file"
     rm -rf "$root"
 }
 
-# make_root DEB WORKER-DEB FOLDER: unpacks the root that fits the package's dependencies.
+# make_root DEB WORKER-DEB WEB-DEB FOLDER: unpacks the root that fits the package's dependencies.
 make_root()
 {
-    local deb=$1 worker=$2 folder=$3 key file
+    local deb=$1 worker=$2 web=$3 folder=$4 key file
 
     key=$({
         echo "$suite $root_packages"
-        for file in "$deb" "$worker"; do
-            dpkg-deb --field "$file" Depends Pre-Depends Recommends | sed 's/marchd-worker (= [^)]*)/marchd-worker/'
+        for file in "$deb" "$worker" "$web"; do
+            dpkg-deb --field "$file" Depends Pre-Depends Recommends | sed -E 's/marchd(-worker)? [(]= [^)]*[)]/marchd\1/'
         done
         cat "$here/system/root.sh"
     } | sha256sum | cut -c 1-16)
@@ -66,7 +67,7 @@ make_root()
     {
         flock 8
         if [ ! -f "$file" ]; then
-            make_base "$deb" "$worker" "$file"
+            make_base "$deb" "$worker" "$web" "$file"
             # The newest three roots are kept; older ones are for dependencies that changed.
             find "$cache" -name 'root-*.tar' -printf '%T@ %p\n' | sort -rn | tail -n +4 | cut -d ' ' -f 2- | xargs -r rm -f
         fi
