@@ -1,4 +1,4 @@
-"""A private farm, march-web and headless Chromium, for the page's tests.
+"""A private farm, march-web and headless Chromium, or Firefox where BROWSER says so, for the page's tests.
 
 Where Chromium or what drives it is not installed (deploy/packages web), the test that imports this is skipped.
 """
@@ -22,9 +22,12 @@ try:
 except ImportError as error:
     print(f"skipped: {error}: deploy/packages web installs it")
     sys.exit(77)
+from firefox import FIREFOX, Firefox
+
 CHROMIUM = "/usr/bin/chromium"
 DRIVER = "/usr/bin/chromedriver"
-for program in (CHROMIUM, DRIVER):
+IS_FIREFOX = os.environ.get("BROWSER") == "firefox"
+for program in (FIREFOX,) if IS_FIREFOX else (CHROMIUM, DRIVER):
     if not os.access(program, os.X_OK):
         print(f"skipped: there is no {program}: deploy/packages web installs it")
         sys.exit(77)
@@ -149,6 +152,11 @@ class Page:
 
     def __init__(self, farm, width=1440, height=900):
         self.farm = farm
+        self.driver = Firefox() if IS_FIREFOX else self.start_chromium()
+        self.size(width, height)
+
+    @staticmethod
+    def start_chromium():
         options = Options()
         options.binary_location = CHROMIUM
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
@@ -156,13 +164,15 @@ class Page:
                          "--disable-sync", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
-        self.size(width, height)
+        return webdriver.Chrome(service=Service(DRIVER), options=options)
 
     def close(self):
         self.driver.quit()
 
     def size(self, width, height):
+        if IS_FIREFOX:
+            self.driver.size(width, height)
+            return
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
 
@@ -206,5 +216,7 @@ class Page:
 
     def complaints(self):
         """What the browser's console has: refused scripts and styles, errors. A connection that broke is none."""
+        if IS_FIREFOX:
+            return [entry for entry in self.driver.take_errors() if "ws://" not in entry]
         return [entry["message"] for entry in self.driver.get_log("browser")
                 if entry["level"] == "SEVERE" and "WebSocket" not in entry["message"] and "/session" not in entry["message"]]

@@ -133,7 +133,7 @@ class SpokenPageTest(unittest.TestCase):
         self.heard("not live: the daemon is away")
         self.farm.start_daemon()
         self.heard("● live")
-        page.driver.get_log("browser")  # it complained about the connection
+        page.complaints()  # it complained about the connection
 
 
 if __name__ == "__main__":
