@@ -88,6 +88,8 @@ class PicturePageTest(unittest.TestCase):
         self.assertIn(["multiple scattering", "light is scattered once at most"], tables["Not modelled"])
         methods = dict(tables["Evaluations of densities for one sample, counted"][1:])
         self.assertGreater(int(methods["midpoint"].replace(",", "")), 0)
+        spare = page.run("const { scrollHeight, clientHeight } = document.documentElement; return scrollHeight - clientHeight")
+        self.assertEqual(spare, 0, "the window scrolls, beside what it shows")
         self.assertEqual(page.complaints(), [])
 
     def test_what_is_no_picture_says_why(self):

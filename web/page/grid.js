@@ -66,13 +66,14 @@ export class FrameGrid extends View {
     Object.assign(canvas, { width: columns * px, height: rows * px });
     Object.assign(canvas.style, { width: `${columns * cell}px`, height: `${rows * cell}px` });
     const context = canvas.getContext("2d"), image = context.createImageData(canvas.width, canvas.height);
-    const pixels = new Uint32Array(image.data.buffer), colourOf = this.colours();
-    const total = this.map.numbers.length, { width } = canvas;
+    const pixels = new Uint32Array(image.data.buffer), colourOf = this.colours(), total = this.map.numbers.length;
     for (let row = 0; row < rows; row++) { // one line of pixels, then copies of it
-      const top = row * px * width, end = Math.min(columns, total - row * columns);
-      for (let column = 0, at = top; column < end; column++, at += px)
-        pixels.fill(colourOf(row * columns + column), at, at + px - gap);
-      for (let y = 1; y < px - gap; y++) pixels.copyWithin(top + y * width, top, top + width);
+      const top = row * px * canvas.width, end = Math.min(columns, total - row * columns);
+      for (let column = 0, at = top; column < end; column++, at += px) {
+        const colour = colourOf(row * columns + column);
+        for (let x = at; x < at + px - gap; x++) pixels[x] = colour;
+      }
+      for (let y = 1; y < px - gap; y++) pixels.copyWithin(top + y * canvas.width, top, top + canvas.width);
     }
     context.putImageData(image, 0, 0);
     if (cell >= SIGN_PX && this.by === "state") this.drawSigns(context, px, gap);
