@@ -10,6 +10,12 @@ void walk_random_start(uvec2 pixel, uint path, uint index, uint frame)
     walk_random_state = random_hash(random_hash(random_hash(place ^ 0x9e3779b9u) + path) + (frame ^ (index << 16u)));
 }
 
+// Goes on with a path's numbers, where walk_random_start has begun them: its state was kept.
+void walk_random_resume(uint state)
+{
+    walk_random_state = state;
+}
+
 // In [0, 1), a multiple of 2^-24.
 float walk_random()
 {

@@ -4,16 +4,27 @@
 // Colours share all draws; odds follow the mean of what each still carries, which keeps weights bounded: Kutz, Habel,
 // Li and Novak, ACM Transactions on Graphics 36(4), 2017. Absorption only takes weight away.
 
-// Sums over paths.
-struct WalkSums {
+// Sums over paths, and the flight with which the path goes on that is not over.
+struct Walk {
     Spectrum light;
-    Spectrum passed; // transmittance of the rays that began at negative numbers
+    Spectrum passed; // transmittance of the rays that begin at negative numbers
     vec2 depth;      // the distances where it fell to one half, and their number
+    int path, order; // its number, and its scatterings so far
+    vec3 origin, direction;
+    float at; // distance along the flight
+    Spectrum weight;
+    uint random; // state of the random numbers
 };
 
-const int WALK_LIMIT = 60000;  // iterations of all loops
-const float WALK_FAINT = 0.1;  // of a light's contribution: less of it ends at random
-const float WALK_WEAK = 0.25;  // of a path's beginning: less of it ends at random
+const int WALK_LIMIT = 3 * WALK_TURNS; // a flight to a light may go on to so many
+const float WALK_FAINT = 0.1; // of a light's contribution: less of it ends at random
+const float WALK_WEAK = 0.25; // of a path's beginning: less of it ends at random
+
+Walk walk_none(int passes)
+{
+    return Walk(spectrum(0.0), spectrum(0.0), vec2(0.0), -passes - 1, 0, vec3(0.0), vec3(0.0, 0.0, 1.0), FAR_AWAY,
+                spectrum(0.0), 0u);
+}
 
 // What is weaker than `least` ends at random, and is weighted where it goes on, which keeps the mean.
 Spectrum walk_thin(Spectrum weight, float least)
@@ -23,101 +34,110 @@ Spectrum walk_thin(Spectrum weight, float least)
     return walk_random() * least < most ? weight * (least / most) : spectrum(0.0);
 }
 
-// Follows `passes` rays for their transmittance and `count` paths of at most `orders` scatterings, one after the other.
-// walk_start(path) says where each begins; its numbers run from -passes to count - 1. Light that no medium scattered is
-// only that which media emit. A single loop follows all kinds of flight: its look at the media is there once.
-WalkSums walk(int passes, int count, int orders)
+// The light of a flight of `weight` that the media emit at a point where the flight has one of `rate` samples a metre,
+// and whether it is scattered there. The weight becomes that of what happens.
+bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
 {
-    WalkSums sums = WalkSums(spectrum(0.0), spectrum(0.0), vec2(0.0));
-    int path = -passes - 1;
-    int order = 0;
+    Spectrum thin = max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
+    walk.light += walk.weight * walk_emission(field, point) / rate;
+    float scattered = spectrum_mean(walk.weight * walk_scattering(field)) / rate;
+    float odds = scattered / max(scattered + spectrum_mean(walk.weight * thin), 1e-30);
+    bool is_met = odds > 0.0 && walk_random() < odds;
+    walk.weight *= is_met ? spectrum(1.0 / (rate * odds)) : thin / (1.0 - odds);
+    return is_met;
+}
+
+// Adds `passes` rays' transmittance and the light of `count` paths of at most `orders` scatterings, one after the
+// other, from walk_none(passes) on. walk_start(path) says where each begins; its numbers run from -passes to count - 1.
+// Light that no medium scattered is only that which media emit. Returns false where the work is to be continued, with
+// the same `walk`. A single loop follows all kinds of flight: its look at the media is there once.
+bool walk_on(inout Walk walk, int passes, int count, int orders)
+{
     bool is_shadow = false;
-    vec3 origin = vec3(0.0);
-    vec3 direction = vec3(0.0, 0.0, 1.0);
-    MediaSpans spans = media_spans(origin, direction);
-    float at = 0.0;
-    float end = 0.0;
-    float least = 0.0; // samples per metre
-    float faint = 0.0;
-    Spectrum weight = spectrum(0.0);
-    vec3 ahead = direction; // the path's direction behind a vertex, while a light is sampled there
+    vec3 ahead = vec3(0.0);          // the path's direction behind a vertex, while a light is sampled there
     Spectrum behind = spectrum(0.0); // its weight
-    int iteration = 0;
-    for (; iteration < WALK_LIMIT && path < count; ++iteration) {
-        float rate = 0.0;
+    float faint = 0.0;
+    vec2 interval = vec2(0.0, FAR_AWAY);
+    if (walk.path >= -passes) {
+        WalkRay ray = walk_start(walk.path);
+        if (walk.order == 0) interval = ray.interval;
+        walk_random_resume(walk.random);
+    }
+    MediaSpans spans = media_spans(walk.origin, walk.direction);
+    float end = min(media_interval(spans).y, interval.y);
+    float least = walk_least(end - max(media_interval(spans).x, interval.x)); // samples per metre
+    for (int turn = 0; turn < (is_shadow ? WALK_LIMIT : WALK_TURNS) && walk.path < count; ++turn) {
         bool is_met = false;
         MediaField field;
-        // Rays that share a SIMD unit wait here for one another, so that all of them turn together.
-        for (; iteration < WALK_LIMIT && at < end; ++iteration) {
-            float edge = media_next_edge(spans, at, end);
-            rate = media_rate(spans, origin + at * direction, direction, at, least, edge);
+        // Rays that share a SIMD unit wait here for one another, so that they turn together.
+        for (int flights = 0; flights < WALK_FLIGHTS && walk.at < end; ++flights) {
+            vec3 point = walk.origin + walk.at * walk.direction;
+            float edge = media_next_edge(spans, walk.at, end);
+            float rate = media_rate(spans, point, walk.direction, walk.at, least, edge);
             float flight = rate > 0.0 ? -log(1.0 - walk_random()) / rate : FAR_AWAY;
-            if (at + flight >= edge) {
-                at = edge;
+            if (walk.at + flight >= edge) {
+                walk.at = edge;
                 continue;
             }
-            at += flight;
-            field = media_field(spans, origin + at * direction, direction, at);
+            walk.at += flight;
+            point = walk.origin + walk.at * walk.direction;
+            field = media_field(spans, point, walk.direction, walk.at);
             if (field.distance < 0.0) {
-                Spectrum thin = max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
-                float odds = 0.0;
-                if (!is_shadow && path >= 0) {
-                    sums.light += weight * walk_emission(field, origin + at * direction) / rate;
-                    float scattered = spectrum_mean(weight * walk_scattering(field)) / rate;
-                    odds = scattered / max(scattered + spectrum_mean(weight * thin), 1e-30);
-                }
-                is_met = odds > 0.0 && walk_random() < odds;
-                if (is_met) {
-                    weight /= rate * odds;
-                    break;
-                }
-                bool was_more = spectrum_mean(weight) > 0.5;
-                weight = walk_thin(weight * (thin / (1.0 - odds)), faint);
-                if (path < 0 && was_more && spectrum_mean(weight) <= 0.5) sums.depth += vec2(at, 1.0);
-                if (spectrum_max(weight) <= 0.0) break;
+                float was = spectrum_mean(walk.weight);
+                if (is_shadow || walk.path < 0)
+                    walk.weight *= max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
+                else
+                    is_met = walk_meet(field, point, rate, walk);
+                if (is_met) break;
+                walk.weight = walk_thin(walk.weight, faint);
+                if (walk.path < 0 && was > 0.5 && spectrum_mean(walk.weight) <= 0.5) walk.depth += vec2(walk.at, 1.0);
+                if (spectrum_max(walk.weight) <= 0.0) break;
             }
-            at += max(field.distance, 0.0);
+            walk.at += max(field.distance, 0.0);
         }
-        if (iteration >= WALK_LIMIT) break;
-        vec2 interval = vec2(0.0, FAR_AWAY);
+        bool is_over = walk.at >= end || spectrum_max(walk.weight) <= 0.0;
+        if (!is_met && !is_over) continue;
+        interval = vec2(0.0, FAR_AWAY);
         if (is_met) {
-            ++order;
-            origin += at * direction;
-            LightSample light = LightSample(direction, 0.0, spectrum(0.0));
-            Spectrum lit = walk_light(origin, direction, field, weight, light);
+            ++walk.order;
+            walk.origin += walk.at * walk.direction;
+            LightSample light = LightSample(walk.direction, 0.0, spectrum(0.0));
+            Spectrum lit = walk_light(walk.origin, walk.direction, field, walk.weight, light);
             behind = spectrum(0.0);
-            if (order < orders) behind = walk_thin(walk_scatter(field, direction, weight, ahead), WALK_WEAK);
-            is_shadow = true;
-            direction = light.direction;
+            if (walk.order < orders)
+                behind = walk_thin(walk_scatter(field, walk.direction, walk.weight, ahead), WALK_WEAK);
+            walk.direction = light.direction;
             interval.y = light.distance;
-            weight = lit;
+            walk.weight = lit;
             faint = WALK_FAINT * spectrum_max(lit);
+            is_shadow = true;
+            is_over = spectrum_max(lit) <= 0.0;
         }
-        if (spectrum_max(weight) <= 0.0 || !is_met) {
-            if (is_shadow && !is_met) sums.light += weight;
-            if (path < 0 && path >= -passes) sums.passed += weight;
-            weight = is_shadow ? behind : spectrum(0.0);
-            behind = spectrum(0.0);
-            direction = ahead;
-            interval = vec2(0.0, FAR_AWAY);
-            is_shadow = false;
+        if (is_over) {
+            if (is_shadow) walk.light += walk.weight;
+            if (walk.path < 0 && walk.path >= -passes) walk.passed += walk.weight;
+            walk.weight = is_shadow ? behind : spectrum(0.0);
+            walk.direction = ahead;
+            interval.y = FAR_AWAY;
             faint = 0.0;
-            if (spectrum_max(weight) <= 0.0) {
-                ++path;
-                order = 0;
-                WalkRay ray = walk_start(path);
-                origin = ray.origin;
-                direction = ray.direction;
+            is_shadow = false;
+            if (spectrum_max(walk.weight) <= 0.0) {
+                ++walk.path;
+                walk.order = 0;
+                WalkRay ray = walk_start(walk.path);
+                walk.origin = ray.origin;
+                walk.direction = ray.direction;
+                walk.weight = spectrum(1.0);
                 interval = ray.interval;
-                weight = spectrum(1.0);
             }
         }
-        spans = media_spans(origin, direction);
+        spans = media_spans(walk.origin, walk.direction);
         vec2 stretch = media_interval(spans);
-        at = max(stretch.x, interval.x);
+        walk.at = max(stretch.x, interval.x);
         end = min(stretch.y, interval.y);
-        least = walk_least(end - at);
+        least = walk_least(end - walk.at);
     }
-    if (path < count) march_was_cut = true;
-    return sums;
+    walk.random = walk_random_state;
+    if (is_shadow) march_was_cut = true;
+    return walk.path >= count;
 }

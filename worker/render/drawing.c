@@ -16,7 +16,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum { IDLE_SLICE_LIMIT = 256 }; // slices in a row that finish no pixel of a tile: five million iterations
+// Slices in a row that finish no pixel of a tile: five million iterations; and so many more for each of its paths.
+enum { IDLE_SLICE_LIMIT = 256, IDLE_SLICE_PATHS = 16 };
 
 bool drawing_tools_init(struct drawing_tools *tools, const struct gl_context *context, struct error *error)
 {
@@ -218,8 +219,9 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
 {
     const struct gl_slices *slices = &drawing->tools->slices;
     int64_t left = count_pixels(drawing, tile);
+    int64_t limit = IDLE_SLICE_LIMIT + (int64_t)IDLE_SLICE_PATHS * drawing->scene->model.job->quality.paths;
 
-    for (int idle = 0; left > 0; ++idle) {
+    for (int64_t idle = 0; left > 0; ++idle) {
         double start = clock_now_s(), seconds;
         int64_t done;
 
@@ -232,7 +234,7 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
         seconds = clock_now_s() - start;
         if (seconds > tile->seconds) tile->seconds = seconds;
         if (!check_tile(drawing, tile)) return false;
-        if (idle == IDLE_SLICE_LIMIT) {
+        if (idle == limit) {
             drawing->marked_pixel = first_pixel(drawing, tile);
             drawing->fault = RENDERER_FAULT_ENDLESS;
             return false;
@@ -316,7 +318,8 @@ static bool begin_pass(struct drawing *drawing, int pass, struct error *error)
     }
     if (!drawing_check_gl(drawing, error)) return false;
     if (drawing->scene->model.features.is_sliced)
-        gl_slices_begin(&tools->slices, &tools->gl, target->width_px, target->height_px);
+        gl_slices_begin(&tools->slices, &tools->gl, target->width_px, target->height_px,
+                        drawing->scene->model.features.is_walked ? GL_SLICES_WALK_IMAGES : GL_SLICES_MARCH_IMAGES);
     return true;
 }
 

@@ -6,30 +6,33 @@
 void gl_slices_finish(struct gl_slices *slices)
 {
     if (slices->gl) {
-        slices->gl->DeleteTextures(GL_SLICES_IMAGE_COUNT, slices->images);
+        slices->gl->DeleteTextures(slices->image_count, slices->images);
         slices->gl->DeleteQueries(1, &slices->query);
     }
     *slices = (struct gl_slices){0};
 }
 
-static void make(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px)
+static void make(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px, int image_count)
 {
     gl_slices_finish(slices);
-    *slices = (struct gl_slices){.gl = gl, .width_px = width_px, .height_px = height_px};
-    gl->CreateTextures(GL_TEXTURE_2D, GL_SLICES_IMAGE_COUNT, slices->images);
-    for (int i = 0; i < GL_SLICES_IMAGE_COUNT; ++i)
+    *slices = (struct gl_slices){.gl = gl, .width_px = width_px, .height_px = height_px, .image_count = image_count};
+    gl->CreateTextures(GL_TEXTURE_2D, image_count, slices->images);
+    for (int i = 0; i < image_count; ++i)
         gl->TextureStorage2D(slices->images[i], 1, GL_RGBA32UI, width_px, height_px);
     gl->CreateQueries(GL_SAMPLES_PASSED, 1, &slices->query);
 }
 
-void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px)
+void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px,
+                     int image_count)
 {
+    static const GLuint units[GL_SLICES_WALK_IMAGES] = {0, 1, 2, 4, 5}; // 3 is that of lists of pixels
     static const GLuint nothing[4] = {0};
 
-    if (slices->width_px != width_px || slices->height_px != height_px) make(slices, gl, width_px, height_px);
-    for (int i = 0; i < GL_SLICES_IMAGE_COUNT; ++i) {
+    if (slices->width_px != width_px || slices->height_px != height_px || slices->image_count != image_count)
+        make(slices, gl, width_px, height_px, image_count);
+    for (int i = 0; i < image_count; ++i) {
         gl->ClearTexImage(slices->images[i], 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, nothing);
-        gl->BindImageTexture((GLuint)i, slices->images[i], 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+        gl->BindImageTexture(units[i], slices->images[i], 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
     }
 }
 

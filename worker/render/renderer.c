@@ -249,6 +249,12 @@ static bool open_inputs(struct renderer *renderer, const struct job *job, int32_
     return false;
 }
 
+// Random paths are as long as chance wants.
+static bool is_walked(const struct rendering *rendering)
+{
+    return scene_features_of(rendering->frame->job, rendering->inputs.is_unneeded).is_walked;
+}
+
 static bool can_be_sliced(const struct rendering *rendering)
 {
     const struct scene_features features = scene_features_of(rendering->frame->job, rendering->inputs.is_unneeded);
@@ -288,7 +294,7 @@ bool renderer_render(struct renderer *renderer, const struct renderer_frame *fra
     memcpy(result->picture_hash, rendering.inputs.picture_hash, sizeof result->picture_hash);
     result->step = rendering.inputs.quality.step;
     scene_visibility_find(job, &rendering.inputs, frame->frame, rendering.inputs.is_unneeded);
-    ok = render_frame(renderer, &rendering, false, error);
+    ok = render_frame(renderer, &rendering, is_walked(&rendering), error);
     if (*fault == RENDERER_FAULT_ENDLESS && can_be_sliced(&rendering))
         ok = render_frame(renderer, &rendering, true, error);
     if (*fault == RENDERER_FAULT_ENDLESS) set_cut_error(renderer, &rendering, error);

@@ -9,7 +9,7 @@
 #include "worker/shader/scene_glue_gather.h"
 #include "worker/shader/scene_glue_light.h"
 #include "worker/shader/scene_glue_path.h"
-#include "worker/shader/scene_glue_walk.h"
+#include "worker/shader/scene_glue_walk_picture.h"
 
 #include <math.h>
 
@@ -187,13 +187,13 @@ static void write_media_main(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
 
-    if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
     if (features->is_walked) {
         write_view(out, model);
         scene_glue_write_walk_picture(out, model);
         write_majorant_mark(out, model);
         return;
     }
+    if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
     if (features->has_media) write_media(out, model);
     if (features->is_sliced)
         fprintf(out, "    bool is_paused = !slice_is_over%s;\n    is_done = slice_store(is_paused);\n",
@@ -221,6 +221,7 @@ static void write_path_main(FILE *out, const struct scene_model *model)
 void scene_glue_write_main(FILE *out, const struct scene_model *model, bool has_frame_values)
 {
     write_outputs(out, model);
+    if (model->features.is_walked) scene_glue_write_walk_slice(out, model);
     fputs("void main()\n{\n", out);
     if (has_frame_values) fputs("    frame_uniforms_read();\n", out);
     if (model->features.has_objects)

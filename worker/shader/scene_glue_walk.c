@@ -5,8 +5,6 @@
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_media.h"
 
-#include <math.h>
-
 // Writes the sum of "medium_I_NAME * density" over media of which `applies` is true.
 static void write_sum(FILE *out, const struct scene_model *model, const char *name,
                       bool applies(const struct medium_features *medium))
@@ -168,8 +166,39 @@ static void write_scatter(FILE *out, const struct scene_model *model)
     fputs("    outgoing = scatter_turn(incoming, less, walk_random());\n    return behind;\n}\n", out);
 }
 
+enum {
+    FLIGHTS = 16,            // in a turn
+    ITERATION_LIMIT = 60000, // a little below what software GL runs
+    CODE_LOOPS = 40          // in a look at a user's code, which may have any number
+};
+
+// Returns how many iterations of its own loops a look at the media takes, and one for a majorant.
+static int count_loops(const struct scene_model *model)
+{
+    int loops = 0;
+
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        const struct scene_density *density = &model->job->scene.media[i].density;
+
+        if (!model->features.media[i].is_seen) continue;
+        if (density->kind == SCENE_DENSITY_NOISE) loops += 2 * density->noise.octaves;
+        if (density->kind == SCENE_DENSITY_FOLD_FRACTAL) loops += 2 * density->fold_fractal.iterations;
+        if (density->kind == SCENE_DENSITY_GLSL) loops += CODE_LOOPS;
+    }
+    return loops;
+}
+
+// A flight to a light may go on for three times as many turns.
+static void write_limits(FILE *out, const struct scene_model *model)
+{
+    int turns = ITERATION_LIMIT / 3 / (1 + FLIGHTS * (1 + count_loops(model)));
+
+    fprintf(out, "const int WALK_FLIGHTS = %d;\nconst int WALK_TURNS = %d;\n", FLIGHTS, turns > 1 ? turns : 1);
+}
+
 void scene_glue_write_walk(FILE *out, const struct scene_model *model)
 {
+    write_limits(out, model);
     write_sum(out, model, "sigma_t", medium_features_have_column);
     write_sum(out, model, "sigma_s", scatters);
     write_emission(out, model);
@@ -185,48 +214,4 @@ void scene_glue_write_walk_start(FILE *out)
           "    walk_random_start(walk_pixel, uint(path), uint(sample_index), uint(frame_seed));\n"
           "    return walk_camera;\n}\n",
           out);
-}
-
-// Transmittance is estimated by a fraction of the paths' number; homogeneous media alone need none.
-static void write_sums(FILE *out, const struct scene_model *model)
-{
-    const struct scene_camera *camera = &model->job->scene.camera;
-    const struct scene_features *features = &model->features;
-
-    fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
-    fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
-    if (isfinite(camera->clip_far))
-        fprintf(out, "%.9e);\n", camera->clip_far);
-    else
-        fputs("FAR_AWAY);\n", out);
-    fprintf(out,
-            "    walk_pixel = pixel;\n    walk_camera = WalkRay(camera.position, direction, clip);\n"
-            "    int paths = int(quality_paths);\n    int passes = %s;\n"
-            "    vec2 interval = span_meet(media_interval(spans), clip);\n"
-            "    WalkSums sums = WalkSums(spectrum(0.0), spectrum(float(passes)), vec2(0.0));\n"
-            "    if (interval.x < interval.y && interval.y > 0.0) sums = walk(passes, paths, %d);\n"
-            "    Spectrum light = sums.light / float(paths);\n",
-            features->has_extinction ? "max(paths / 4, 1)" : "0", model->job->scene.orders);
-    fprintf(out, "    Spectrum passed = %s;\n",
-            features->has_extinction ? "sums.passed / float(passes)" : "spectrum(1.0)");
-    if (features->has_extinction) fputs("    pixel_is_dimmed = spectrum_mean(passed) < 1.0;\n", out);
-}
-
-void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
-{
-    const struct scene_features *features = &model->features;
-
-    write_sums(out, model);
-    fprintf(out, "    rgba = vec4(spectrum_rgb(light%s), %s);\n",
-            features->has_background ? " + passed * background" : "",
-            model->job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(passed)");
-    if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
-    if (features->has_depth) {
-        fputs("    float half_way = 2.0 * sums.depth.y > float(passes) ? sums.depth.x / sums.depth.y : 0.0;\n", out);
-        if (model->job->quality.samples > 1)
-            fputs("    depth = vec2(half_way / length(toward), half_way > 0.0 ? 1.0 : 0.0);\n", out);
-        else
-            fputs("    depth = half_way / length(toward);\n", out);
-    }
-    fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
 }

@@ -202,6 +202,7 @@ static void add_walk(struct assembly *assembly)
                 add_module(assembly, "scatter/sample_rayleigh.glsl");
         }
     add_module(assembly, "light/sample.glsl");
+    add_module(assembly, "path/iterations.glsl");
     add_module(assembly, "scatter/random.glsl");
     add_module(assembly, "scatter/turn.glsl");
     add_module(assembly, "scatter/ray.glsl");
