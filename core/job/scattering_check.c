@@ -24,10 +24,11 @@ bool scattering_check(const struct job *job, const struct json_node *document, s
     struct json_node orders = json_node_child(&scattering, "orders"), quality = json_node_child(document, "quality");
     struct json_node method = json_node_child(&quality, "method"), grid = json_node_child(&quality, "scatter_grid");
 
-    if (job->scene.orders != 1 && job->quality.method != JOB_METHOD_PATHS)
-        return json_fail(&orders, error, "not rendered yet by this method: above 1 only paths are");
+    if (job->scene.orders != 1 && job->quality.method != JOB_METHOD_PATHS && job->quality.scatter_grid == 0)
+        return json_fail(&orders, error, "not rendered yet by this method: above 1 only paths and scatter_grid are");
     if (job->quality.method == JOB_METHOD_PATHS && job->scene.object_count > 0)
         return json_fail(&method, error, "not rendered yet: paths in scenes with objects");
-    if (job->quality.scatter_grid > 0) return json_fail(&grid, error, "not rendered yet");
+    if (job->quality.scatter_grid > 0 && job->scene.object_count > 0)
+        return json_fail(&grid, error, "not rendered yet: a grid in scenes with objects");
     return check_lights(job, document, error);
 }

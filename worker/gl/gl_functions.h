@@ -46,6 +46,7 @@ struct gl_context;
     X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                                         \
     X(PFNGLGETFLOATVPROC, GetFloatv)                                                                                   \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                                           \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                               \

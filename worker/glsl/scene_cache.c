@@ -42,13 +42,16 @@ bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, 
     fprintf(text->out,
             "#version 450 core\n"
             "layout(local_size_x = %d, local_size_y = %d) in;\n"
-            "layout(%s, binding = 0) writeonly uniform image3D cache_image;\n"
+            "layout(%s, binding = 0) %suniform image3D cache_image;\n"
             "layout(location = 0) uniform ivec3 cache_first;\n"
             "layout(location = 1) uniform ivec3 cache_invocations;\n"
             "bool cache_find_invocation(out ivec3 at)\n{\n"
             "    at = cache_first + ivec3(gl_GlobalInvocationID);\n"
             "    return all(lessThan(at, cache_invocations));\n}\n",
-            SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name);
+            SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name,
+            cache->takes_turns ? "" : "writeonly ");
+    if (cache->takes_turns)
+        fputs("layout(std430, binding = 0) buffer CacheTurns { uint cache_is_unfinished; };\n", text->out);
     return true;
 }
 

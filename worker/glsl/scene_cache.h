@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 enum {
-    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT),
+    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT) + 2,
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
 };
 
@@ -33,10 +33,13 @@ struct scene_cache {
     struct frame_uniforms uniforms; // refers to the job and the inputs
     enum scene_cache_format format;
     int size[3];        // texels
-    int invocations[3]; // at most `size`
-    bool is_step;       // only other caches read it: it is released when they are filled
-    bool reads_files;   // its values depend on the frame's files
-    uint64_t reads;     // bit i: it samples cache i of the program, an earlier one
+    int invocations[3]; // at most `size`, unless it takes turns
+    // The program runs again, over texels that begin as 0 and that it reads, until no invocation has set
+    // `cache_is_unfinished` to 1. Invocations are the program's own: each may write any texels.
+    bool takes_turns;
+    bool is_step;     // only other caches read it: it is released when they are filled
+    bool reads_files; // its values depend on the frame's files
+    uint64_t reads;   // bit i: it samples cache i of the program, an earlier one
 };
 
 void scene_cache_finish(struct scene_cache *cache); // accepts an empty one

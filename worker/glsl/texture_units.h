@@ -22,13 +22,15 @@ enum {
     TEXTURE_UNIT_LIGHTS = 48,  // the columns of a light's grid
     TEXTURE_UNIT_BAKED = 64,   // the grid of a density that is baked, one a medium
     TEXTURE_UNIT_DOME = 72,    // the image of a dome
-    TEXTURE_UNIT_LIMIT = 73    // GL 4.5 has at least 96
+    TEXTURE_UNIT_SCATTER = 73, // the grid of scattered light
+    TEXTURE_UNIT_LIMIT = 74    // GL 4.5 has at least 96
 };
 
 static_assert(TEXTURE_UNIT_MEDIA + MEDIUM_TEXTURE_COUNT * SCENE_MEDIUM_LIMIT <= TEXTURE_UNIT_OBJECTS, "media");
 static_assert(TEXTURE_UNIT_OBJECTS + SCENE_OBJECT_LIMIT <= TEXTURE_UNIT_LIGHTS, "objects");
 static_assert(TEXTURE_UNIT_LIGHTS + SCENE_LIGHT_LIMIT <= TEXTURE_UNIT_BAKED, "lights");
 static_assert(TEXTURE_UNIT_BAKED + SCENE_MEDIUM_LIMIT <= TEXTURE_UNIT_DOME, "baked densities");
+static_assert(TEXTURE_UNIT_DOME < TEXTURE_UNIT_SCATTER, "a dome");
 
 static inline unsigned texture_unit_of_medium(size_t medium, enum medium_texture texture)
 {

@@ -148,12 +148,17 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     for (size_t i = 0; i < scene->object_count; ++i)
         add_object(&features, &scene->objects[i], i);
     add_lights(&features, scene, scatters);
+    features.has_scatter_grid = job->quality.scatter_grid > 0 && scene->orders > 1 && scatters &&
+                                (features.has_lights || features.has_emission);
     features.marches_to_lights &= features.has_lights;
     features.has_light_grids = features.marches_to_lights && job->quality.method == JOB_METHOD_CACHED;
-    features.places_points = features.media_are_lit && job->quality.method == JOB_METHOD_EQUIANGULAR;
+    features.places_points =
+        (features.media_are_lit || features.has_scatter_grid) && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples, homogeneous media or not.
-    features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
-                                               (job_method_takes_steps(job->quality.method) && features.media_are_lit));
+    features.marches |=
+        features.has_media &&
+        (job->quality.method == JOB_METHOD_RIEMANN ||
+         (job_method_takes_steps(job->quality.method) && (features.media_are_lit || features.has_scatter_grid)));
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
     features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;

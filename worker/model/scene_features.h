@@ -65,6 +65,8 @@ struct scene_features {
     bool tracks_to_lights;  // so does the transmittance from a path's vertex to a light; else it has a closed form
     bool is_sliced;         // the picture is drawn in slices: each goes as far as the driver lets loops run
     bool is_random;         // something uses random numbers
+    bool has_scatter_grid;  // light that was scattered before comes from a grid
+    bool fills_grid;        // the program shows no picture: it fills that grid
 };
 
 // `is_unneeded` (SCENE_MEDIUM_LIMIT of them; NULL: none) says which media the picture leaves out.

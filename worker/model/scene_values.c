@@ -107,7 +107,8 @@ static void evaluate_camera_down(const void *source, double time, double value[s
     combine_axes(job, time, 0, -2.0 / job->height_px, 0, value);
 }
 
-static void add_camera(struct frame_uniforms *uniforms, const struct job *job)
+// Without a view there is only the camera's position.
+static void add_camera(struct frame_uniforms *uniforms, const struct job *job, bool has_view)
 {
     static const struct {
         const char *name;
@@ -121,7 +122,7 @@ static void add_camera(struct frame_uniforms *uniforms, const struct job *job)
     bool view_is_fixed = position_is_fixed && timeline_is_constant(&camera->target) &&
                          timeline_is_constant(&camera->up) && timeline_is_constant(&camera->fov);
 
-    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+    for (size_t i = 0; i < (has_view ? sizeof values / sizeof *values : 1); ++i)
         frame_uniforms_add(uniforms,
                            (struct frame_value){.type = FRAME_VALUE_VEC3,
                                                 .is_constant = i == 0 ? position_is_fixed : view_is_fixed,
@@ -187,7 +188,9 @@ static void add_medium(struct frame_uniforms *uniforms, const struct scene_model
     if (features->emits)
         frame_uniforms_add(uniforms, timeline_value(&medium->emission, spectrum, value_range_not_negative, "emission"),
                            "medium_%zu_emission", i);
-    if ((!model->features.has_lights && !model->features.is_walked) || !features->scatters) return;
+    if (!features->scatters || !(model->features.has_lights || model->features.is_walked ||
+                                 model->features.has_scatter_grid || model->features.fills_grid))
+        return;
     frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
                        "medium_%zu_sigma_s", i);
     add_lobes(uniforms, medium, features, i);
@@ -342,7 +345,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model 
     const struct scene *scene = &model->job->scene;
 
     uniforms->anchored = model->job;
-    if (features->has_media || features->has_objects) add_camera(uniforms, model->job);
+    if (features->has_media || features->has_objects) add_camera(uniforms, model->job, !features->fills_grid);
     if (features->takes_time) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
     add_anchor(uniforms, model);
     for (size_t i = 0; i < scene->medium_count; ++i)

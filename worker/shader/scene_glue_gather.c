@@ -66,8 +66,7 @@ static void write_shadow(FILE *out, const struct scene_model *model, const char 
         fputs("0u, 0u)", out);
 }
 
-// Writes the scattering coefficient times the phase function, summed over media.
-static void write_scattered(FILE *out, const char *indent, const struct scene_model *model)
+void scene_glue_write_scattered(FILE *out, const char *indent, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
     const char *separator = "";
@@ -84,6 +83,15 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_mo
     fputs(";\n", out);
 }
 
+// Writes the light that arrives at `position` already scattered, and is scattered once more.
+static void write_scattered_again(FILE *out, const char *indent, const struct scene_model *model, const char *position)
+{
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        if (model->features.media[i].scatters)
+            fprintf(out, "%ssource += medium_%zu_sigma_s * (density_%zu * medium_%zu_scattered(%s));\n", indent, i, i,
+                    i, position);
+}
+
 // Each light's columns are in a grid of its own.
 static void write_cached_scattering(FILE *out, const struct scene_model *model)
 {
@@ -92,7 +100,7 @@ static void write_cached_scattering(FILE *out, const struct scene_model *model)
         fputs("    {\n", out);
         fputs("        LightSample light = ", out);
         scene_glue_light_write_sample(out, model, i);
-        write_scattered(out, "        ", model);
+        scene_glue_write_scattered(out, "        ", model);
         fprintf(out,
                 "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
                 "light));\n    }\n",
@@ -131,7 +139,7 @@ static void write_scattering(FILE *out, const struct scene_model *model)
         scene_glue_light_write_sample(out, model, i);
     }
     if (has_spots(model)) fputs("        if (spectrum_max(light.irradiance) <= 0.0) continue;\n", out);
-    write_scattered(out, "        ", model);
+    scene_glue_write_scattered(out, "        ", model);
     if (features->has_objects) {
         fputs("        source += scattered * light.irradiance * ", out);
         write_shadow(out, model, "point");
@@ -185,7 +193,7 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
             "            vec3 position = %s + placed.at * direction;\n"
             "            LightSample light = light_%zu(position);\n",
             is_spot ? "entry" : "start", i);
-    write_scattered(out, "            ", model);
+    scene_glue_write_scattered(out, "            ", model);
     if (model->features.has_objects) {
         fputs("            Spectrum light_transmittance = ", out);
         write_shadow(out, model, "position");
@@ -205,6 +213,21 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
             "(placed_weight(i) * placed.weight);\n        }\n"
             "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n",
             i);
+}
+
+// Writes the light along the whole segment that was scattered before.
+static void write_placed_again(FILE *out, const struct scene_model *model)
+{
+    fputs("    {\n        PlacementTransmittance placement = PlacementTransmittance(spectrum_min(sigma_t) * seen, "
+          "seen);\n"
+          "        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < count; ++i) {\n"
+          "            Placed placed = placement_transmittance_at(placement, placed_share(i));\n"
+          "            vec3 position = start + placed.at * direction;\n            Spectrum source = spectrum(0.0);\n",
+          out);
+    write_scattered_again(out, "            ", model, "position");
+    fputs("            sum += source * exp(-sigma_t * placed.at) * (placed_weight(i) * placed.weight);\n        }\n"
+          "        gathered.radiance += passed * sum;\n    }\n",
+          out);
 }
 
 // Writes the stretch in which points are placed: the whole one, or each piece of it.
@@ -240,6 +263,7 @@ static void write_all_placed(FILE *out, const struct scene *scene, const struct 
     begin_placed(out, features);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], model, i);
+    if (features->has_scatter_grid) write_placed_again(out, model);
     if (features->extinction_is_rgb) fputs("    }\n", out);
 }
 
@@ -298,14 +322,19 @@ static void write_source(FILE *out, const struct medium_features *medium, size_t
     if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
 }
 
+void scene_glue_write_emitted(FILE *out, const struct scene_model *model)
+{
+    for (size_t i = 0; i < model->job->scene.medium_count; ++i)
+        write_source(out, &model->features.media[i], i);
+}
+
 static void write_sources(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
-    const struct scene *scene = &model->job->scene;
 
     fputs("    Spectrum source = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        write_source(out, &features->media[i], i);
+    scene_glue_write_emitted(out, model);
+    if (features->has_scatter_grid && !features->places_points) write_scattered_again(out, "    ", model, "point");
     if (!features->media_are_lit || features->places_points) return;
     if (features->has_light_grids)
         write_cached_scattering(out, model);
@@ -313,7 +342,7 @@ static void write_sources(FILE *out, const struct scene_model *model)
         write_scattering(out, model);
 }
 
-static void write_densities(FILE *out, const struct scene_model *model)
+void scene_glue_write_densities(FILE *out, const struct scene_model *model)
 {
     for (size_t i = 0; i < model->job->scene.medium_count; ++i)
         if (model->features.media[i].is_seen) {
@@ -333,8 +362,8 @@ static void write_gather_node(FILE *out, const struct scene_model *model)
           "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
           "    if (field.distance >= 0.0) return;\n",
           out);
-    write_densities(out, model);
-    if (features->has_emission || features->media_are_lit) {
+    scene_glue_write_densities(out, model);
+    if (features->has_emission || features->media_are_lit || features->has_scatter_grid) {
         write_sources(out, model);
         fputs("    light_source = source;\n", out);
     }
@@ -370,7 +399,7 @@ static void write_tracked(FILE *out, const struct scene_model *model)
     fputs("void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, Spectrum weight)\n{\n",
           out);
     if (has_source) {
-        write_densities(out, model);
+        scene_glue_write_densities(out, model);
         write_sources(out, model);
         fputs("    gathered.radiance += weight * source;\n", out);
     }
@@ -387,7 +416,8 @@ void scene_glue_write_gather(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
     const struct scene *scene = &model->job->scene;
-    bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
+    bool has_source =
+        features->has_emission || ((features->media_are_lit || features->has_scatter_grid) && !features->places_points);
 
     write_gathered(out, model);
     if (features->is_tracked) {
@@ -405,7 +435,7 @@ void scene_glue_write_gather(FILE *out, const struct scene_model *model)
             "length%s)\n{\n",
             features->marches ? "where the field was evaluated" : "is there",
             features->is_jittered ? ", float offset" : "");
-    write_densities(out, model);
+    scene_glue_write_densities(out, model);
     if (has_source) write_sources(out, model);
     if (features->has_extinction) write_sigma_t(out, model);
     if (features->places_points) write_all_placed(out, scene, model);

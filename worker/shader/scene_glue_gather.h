@@ -15,6 +15,13 @@ void scene_glue_write_placed(FILE *out, const struct job *job);
 // `light`.
 void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, const char *spans,
                                     const char *distance);
+// Writes `float density_I` for each visible medium, from `MediaField field`.
+void scene_glue_write_densities(FILE *out, const struct scene_model *model);
+// Writes statements that add to `source` what media emit at `point`, per metre; with density_I and `field`.
+void scene_glue_write_emitted(FILE *out, const struct scene_model *model);
+// Writes `Spectrum scattered`: the scattering coefficient times the phase function from `light` to `direction`, summed
+// over media; with density_I.
+void scene_glue_write_scattered(FILE *out, const char *indent, const struct scene_model *model);
 // Writes the integrator's call for `spans`. `stretch`: "origin, direction, interval", of Riemann sums without the
 // interval.
 void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch);

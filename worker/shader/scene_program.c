@@ -2,6 +2,7 @@
 #include "worker/shader/scene_program.h"
 
 #include "core/base/alloc.h"
+#include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_fill.h"
@@ -9,10 +10,12 @@
 #include "worker/glsl/shader_sources.h"
 #include "worker/model/light_grid.h"
 #include "worker/model/light_kind.h"
+#include "worker/model/scatter_grid.h"
 #include "worker/model/scene_values.h"
 #include "worker/scene/camera_view.h"
 #include "worker/shader/integrators.h"
 #include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scatter_grid_glue.h"
 #include "worker/shader/scene_glue.h"
 #include "worker/shader/scene_glue_gather.h"
 #include "worker/shader/scene_glue_media.h"
@@ -22,6 +25,7 @@
 #include "worker/shader/scene_glue_surface.h"
 #include "worker/shader/scene_glue_tracking.h"
 #include "worker/shader/scene_glue_walk.h"
+#include "worker/shader/scene_modules.h"
 #include "worker/shader/texture_glue.h"
 
 #include <stdlib.h>
@@ -58,15 +62,6 @@ static void add_camera(struct assembly *assembly)
     add_module(assembly, "region/span.glsl");
 }
 
-static void add_density(struct assembly *assembly, size_t i)
-{
-    const struct density_site site = scene_model_site(assembly->model, i);
-    const struct density_kind *kind = density_kind_of(&site.source->density);
-
-    density_modules_add(&assembly->text, &site);
-    if (assembly->model->features.has_majorants && kind->majorant_module) add_module(assembly, kind->majorant_module);
-}
-
 static void add_tracking(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->model->features;
@@ -89,7 +84,7 @@ static void add_media(struct assembly *assembly)
     bool is_random = features->is_tracked || features->is_walked;
 
     for (size_t i = 0; i < features->medium_count; ++i)
-        if (features->media[i].is_seen) add_density(assembly, i);
+        if (features->media[i].is_seen) scene_modules_add_density(&assembly->text, assembly->model, i);
     if (features->has_extinction && !is_random && assembly->model->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
     if (features->has_extinction && features->has_depth && !is_random)
@@ -97,18 +92,6 @@ static void add_media(struct assembly *assembly)
     scene_glue_write_media(generate(assembly), assembly->model);
     scene_glue_write_steps(assembly->text.out, assembly->model);
     if (is_random) add_tracking(assembly);
-}
-
-static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
-                      const struct medium_features *features)
-{
-    static const char *const modules[] = {[LOBE_ISOTROPIC] = "phase/isotropic.glsl",
-                                          [LOBE_HENYEY_GREENSTEIN] = "phase/henyey_greenstein.glsl",
-                                          [LOBE_RAYLEIGH] = "phase/rayleigh.glsl"};
-
-    if (medium->lobe_count == 0) add_module(assembly, "phase/isotropic.glsl");
-    for (size_t i = 0; i < medium->lobe_count; ++i)
-        if (features->lobes[i] != LOBE_UNSEEN) add_module(assembly, modules[features->lobes[i]]);
 }
 
 static void add_placement(struct assembly *assembly)
@@ -124,6 +107,7 @@ static void add_placement(struct assembly *assembly)
         if (is_by_angle) add_module(assembly, "math/arc.glsl");
         add_module(assembly, is_by_angle ? "placement/angle.glsl" : "placement/transmittance.glsl");
     }
+    if (assembly->model->features.has_scatter_grid) add_module(assembly, "placement/transmittance.glsl");
     scene_glue_write_placed(generate(assembly), assembly->model->job);
 }
 
@@ -136,12 +120,6 @@ static void add_light_grids(struct assembly *assembly)
         add_module(assembly, light_grid_glue_module(&program->light_grids[i]));
     for (size_t i = 0; i < program->light_grid_count; ++i)
         light_grid_glue_write_lookup(generate(assembly), &program->light_grids[i]);
-}
-
-static void add_light(struct assembly *assembly, const struct light_kind *kind)
-{
-    for (size_t i = 0; i < LIGHT_MODULE_LIMIT && kind->modules[i]; ++i)
-        add_module(assembly, kind->modules[i]);
 }
 
 // Adds what is about a spot and a stretch of a ray.
@@ -158,11 +136,7 @@ static void add_lights(struct assembly *assembly)
     const struct scene *scene = &assembly->model->job->scene;
     const struct scene_features *features = &assembly->model->features;
 
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
-    add_module(assembly, "light/sample.glsl");
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) add_light(assembly, light_kind_of(&scene->lights[i]));
+    scene_modules_add_lights(&assembly->text, assembly->model);
     if (features->has_peaks) {
         add_module(assembly, "math/arc.glsl");
         add_module(assembly, "light/point_segment.glsl");
@@ -194,21 +168,21 @@ static void add_walk(struct assembly *assembly)
 {
     const struct scene_model *model = assembly->model;
 
-    for (size_t i = 0; i < model->features.medium_count; ++i)
-        for (size_t k = 0; k < model->job->scene.media[i].lobe_count; ++k) {
-            if (model->features.media[i].lobes[k] == LOBE_HENYEY_GREENSTEIN)
-                add_module(assembly, "scatter/sample_henyey_greenstein.glsl");
-            if (model->features.media[i].lobes[k] == LOBE_RAYLEIGH)
-                add_module(assembly, "scatter/sample_rayleigh.glsl");
-        }
+    scene_modules_add_draws(&assembly->text, model);
     add_module(assembly, "light/sample.glsl");
     add_module(assembly, "path/iterations.glsl");
     add_module(assembly, "scatter/random.glsl");
-    add_module(assembly, "scatter/turn.glsl");
     add_module(assembly, "scatter/ray.glsl");
     scene_glue_write_walk(generate(assembly), model);
     scene_glue_write_walk_start(assembly->text.out);
     add_module(assembly, "scatter/walk.glsl");
+}
+
+static void add_scatter_grid(struct assembly *assembly)
+{
+    add_module(assembly, "math/march.glsl");
+    add_module(assembly, "scatter_grid/lookup.glsl");
+    scatter_grid_glue_write_lookup(generate(assembly), assembly->program->scatter_grid, assembly->model);
 }
 
 static void add_integrator(struct assembly *assembly)
@@ -217,6 +191,7 @@ static void add_integrator(struct assembly *assembly)
         add_walk(assembly);
         return;
     }
+    if (assembly->model->features.has_scatter_grid) add_scatter_grid(assembly);
     if (assembly->model->features.places_points) add_placement(assembly);
     if (assembly->model->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
     if (assembly->model->features.is_gauss) {
@@ -332,15 +307,24 @@ static bool add_baked(struct scene_program *program, const char *shader_dir, str
     return true;
 }
 
-// Adds each visible light's grid: where its nodes lie, and the programs that fill it.
-static bool add_grids(struct scene_program *program, const char *shader_dir, struct error *error)
+// Returns the caches that are there and that other caches may read.
+static uint64_t find_kept(const struct scene_program *program)
 {
-    const struct scene_model *model = &program->model;
-    uint64_t densities = 0;
+    uint64_t kept = 0;
+
+    for (size_t i = 0; i < program->cache_count; ++i)
+        if (!program->caches[i].is_step) kept |= (uint64_t)1 << i;
+    return kept;
+}
+
+// Adds the grid of each light that is visible to a model, the picture's or its walks': where its nodes lie, and the
+// programs that fill it.
+static bool add_grids(struct scene_program *program, const struct scene_model *model, const char *shader_dir,
+                      struct error *error)
+{
+    uint64_t densities = find_kept(program);
 
     if (!model->features.has_light_grids) return true;
-    for (size_t i = 0; i < program->cache_count; ++i)
-        if (!program->caches[i].is_step) densities |= (uint64_t)1 << i;
     program->light_grids = xcalloc(scene_features_count_lights(&model->features), sizeof *program->light_grids);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         struct light_grid *grid = &program->light_grids[program->light_grid_count];
@@ -348,11 +332,66 @@ static bool add_grids(struct scene_program *program, const char *shader_dir, str
         if (!model->features.light_is_seen[i]) continue;
         light_grid_init(grid, model, i);
         grid->densities = densities;
-        light_grid_add_values(&program->uniforms, grid, grid->light);
+        if (model == &program->model) light_grid_add_values(&program->uniforms, grid, grid->light);
         if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, model, shader_dir, error))
             return false;
         program->light_grid_count++;
     }
+    return true;
+}
+
+// Returns the model of the walks that fill the grid of scattered light. Light from lights comes to them by light grids,
+// if necessary from their own, of `walk_cells` cells a side: sums of many walks have no use for finer ones.
+static struct scene_model walked_model(struct scene_program *program)
+{
+    static const int walk_cells = 48;
+    struct scene_model model;
+    struct job *job = program->walked = xmalloc(sizeof *program->walked);
+    size_t marched = 0;
+
+    *job = *program->model.job;
+    if (job->quality.method != JOB_METHOD_CACHED) job->quality.light_grid = walk_cells;
+    job->quality.method = JOB_METHOD_TRACKING;
+    job->quality.estimator = JOB_ESTIMATOR_RATIO;
+    job->quality.roulette_below = 0;
+    job->quality.scatter_grid = 0;
+    scene_model_init(&model, job, program->model.inputs);
+    model.features.fills_grid = model.features.is_tracked = model.features.has_majorants = true;
+    model.features.is_rgb = program->model.features.is_rgb;
+    for (size_t i = 0; i < model.features.medium_count; ++i)
+        marched += medium_features_march_to_lights(&model.features.media[i]);
+    model.features.has_light_grids = model.features.marches_to_lights && marched <= JOB_CACHED_MEDIUM_LIMIT;
+    model.features.estimates_columns = model.features.marches_to_lights && !model.features.has_light_grids;
+    model.features.has_samples = model.features.is_random = model.features.has_background = false;
+    model.features.has_depth = model.features.has_transmittance = false;
+    return model;
+}
+
+// Adds the grid of scattered light, which is filled by walks through a model of their own.
+static bool add_scattered(struct scene_program *program, const char *shader_dir, struct error *error)
+{
+    size_t own = program->cache_count, filled;
+
+    if (!program->model.features.has_scatter_grid) return true;
+    program->scatter_grid = xcalloc(1, sizeof *program->scatter_grid);
+    if (!scatter_grid_init(program->scatter_grid, &program->model)) {
+        error_set(error, "quality.scatter_grid: expected media that end, by bounds or by their grid's box");
+        return false;
+    }
+    scatter_grid_add_values(&program->uniforms, program->scatter_grid);
+    program->walked_model = walked_model(program);
+    if (program->light_grid_count == 0 && !add_grids(program, &program->walked_model, shader_dir, error)) return false;
+    filled = program->cache_count;
+    if (!scatter_grid_glue_add_caches(program->caches, &program->cache_count,
+                                      &(struct scatter_grid_program){.grid = program->scatter_grid,
+                                                                     .walked = &program->walked_model,
+                                                                     .light_grids = program->light_grids,
+                                                                     .light_grid_count = program->light_grid_count,
+                                                                     .reads = find_kept(program)},
+                                      shader_dir, error))
+        return false;
+    for (size_t i = own; i < filled; ++i)
+        program->caches[i].is_step = true;
     return true;
 }
 
@@ -381,7 +420,8 @@ static bool init(struct scene_program *program, const struct job *job, const str
         return false;
     scene_values_add(&program->uniforms, &program->model);
     program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
-    if (!program->vertex || !add_baked(program, shader_dir, error) || !add_grids(program, shader_dir, error) ||
+    if (!program->vertex || !add_baked(program, shader_dir, error) ||
+        !add_grids(program, &program->model, shader_dir, error) || !add_scattered(program, shader_dir, error) ||
         !assemble(program, shader_dir, error)) {
         scene_program_finish(program);
         return false;
@@ -407,6 +447,8 @@ void scene_program_finish(struct scene_program *program)
     for (size_t i = 0; i < program->cache_count; ++i)
         scene_cache_finish(&program->caches[i]);
     free(program->light_grids);
+    free(program->scatter_grid);
+    free(program->walked);
     frame_uniforms_finish(&program->uniforms);
     free(program->vertex);
     free(program->fragment);

@@ -14,6 +14,7 @@
 struct error;
 struct job;
 struct light_grid;
+struct scatter_grid;
 struct scene_inputs;
 
 // The zero value is empty.
@@ -27,8 +28,13 @@ struct scene_program {
     // The textures that the fragment shader samples, each after those that it reads itself.
     struct scene_cache caches[SCENE_CACHE_LIMIT];
     size_t cache_count;
-    struct light_grid *light_grids; // owned; of the visible lights, in order, where they have grids
+    struct light_grid
+        *light_grids; // owned; of the visible lights, in order, where they have grids, for the picture or for walks
     size_t light_grid_count;
+    struct scatter_grid *scatter_grid; // owned; NULL where there is none
+    // Of the walks that fill it: the job as they need it (owned, though all that it refers to is the job's), its model.
+    struct job *walked;
+    struct scene_model walked_model;
     struct scene_model model;
     struct frame_uniforms uniforms; // refers to the job and the inputs
 };

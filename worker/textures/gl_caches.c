@@ -31,7 +31,7 @@ static const GLenum internal_formats[] = {
 struct gl_caches {
     const struct gl_functions *gl; // borrowed; outlives us
     struct gl_programs *programs;  // borrowed; outlives us
-    unsigned uniform_buffer;
+    unsigned uniform_buffer, turns_buffer;
     struct lru lru; // keyed by the hash of all that the values depend on; a moment is one binding
     unsigned textures[KEPT_LIMIT];
     int64_t fill_count;
@@ -45,6 +45,7 @@ struct gl_caches *gl_caches_create(const struct gl_functions *gl, struct gl_prog
     caches->programs = programs;
     caches->lru = (struct lru){.capacity = KEPT_LIMIT, .idle_bytes_limit = idle_bytes_limit};
     gl->CreateBuffers(1, &caches->uniform_buffer);
+    gl->CreateBuffers(1, &caches->turns_buffer);
     return caches;
 }
 
@@ -65,6 +66,7 @@ void gl_caches_destroy(struct gl_caches *caches)
     if (!caches) return;
     gl_caches_clear(caches);
     caches->gl->DeleteBuffers(1, &caches->uniform_buffer);
+    caches->gl->DeleteBuffers(1, &caches->turns_buffer);
     free(caches);
 }
 
@@ -123,6 +125,7 @@ static bool make_texture(const struct gl_functions *gl, const struct scene_cache
         return false;
     }
     set_sampling(gl, *texture);
+    if (cache->takes_turns) gl->ClearTexImage(*texture, 0, GL_RGBA, GL_FLOAT, NULL);
     return true;
 }
 
@@ -135,11 +138,32 @@ static int next_rows(int rows, double seconds, int most)
     return next < most ? next : most;
 }
 
+static void begin_turn(const struct gl_caches *caches, const struct scene_cache *cache)
+{
+    static const GLuint none = 0;
+
+    if (!cache->takes_turns) return;
+    caches->gl->NamedBufferData(caches->turns_buffer, sizeof none, &none, GL_DYNAMIC_READ);
+    caches->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, caches->turns_buffer);
+}
+
+// Returns true when the strip has to run again.
+static bool has_another_turn(const struct gl_caches *caches, const struct scene_cache *cache)
+{
+    GLuint is_unfinished = 0;
+
+    if (!cache->takes_turns) return false;
+    caches->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    caches->gl->GetNamedBufferSubData(caches->turns_buffer, 0, sizeof is_unfinished, &is_unfinished);
+    return is_unfinished != 0;
+}
+
 // Runs the program strip by strip, so that a long run can be stopped. A strip is some layers, or some rows of groups
 // where there is one layer.
-static bool run_strips(const struct gl_functions *gl, struct kept_program *program, const struct scene_cache *cache,
+static bool run_strips(const struct gl_caches *caches, struct kept_program *program, const struct scene_cache *cache,
                        const struct gl_caches_request *request)
 {
+    const struct gl_functions *gl = caches->gl;
     const int *count = cache->invocations;
     int columns = (count[0] + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
     int rows = (count[1] + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
@@ -152,11 +176,12 @@ static bool run_strips(const struct gl_functions *gl, struct kept_program *progr
         int strip = program->rows < most - first ? program->rows : most - first;
         double start = clock_now_s();
 
+        begin_turn(caches, cache);
         gl->ProgramUniform3i(program->name, 0, 0, has_layers ? 0 : first * SCENE_CACHE_GROUP_SIDE,
                              has_layers ? first : 0);
         gl->DispatchCompute((GLuint)columns, (GLuint)(has_layers ? rows : strip), (GLuint)(has_layers ? strip : 1));
         gl->Finish();
-        first += strip;
+        if (!has_another_turn(caches, cache)) first += strip;
         program->rows = next_rows(program->rows, clock_now_s() - start, most);
         if (request->on_strip && !request->on_strip(request->user)) return false;
     }
@@ -175,8 +200,9 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
                             GL_STREAM_DRAW);
         gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, caches->uniform_buffer);
     }
-    gl->BindImageTexture(0, texture, 0, GL_TRUE, 0, GL_WRITE_ONLY, internal_formats[cache->format]);
-    if (!run_strips(gl, program, cache, request)) return false;
+    gl->BindImageTexture(0, texture, 0, GL_TRUE, 0, cache->takes_turns ? GL_READ_WRITE : GL_WRITE_ONLY,
+                         internal_formats[cache->format]);
+    if (!run_strips(caches, program, cache, request)) return false;
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     caches->fill_count++;
     return true;

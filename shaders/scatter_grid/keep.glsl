@@ -1,0 +1,18 @@
+// Prepares a node's mean so that linear interpolation between nodes is right on the average, as light_grid/keep.glsl
+// does: minus a twelfth of its second differences. Light falls off to all sides, so that chords lie below it.
+// `sets` of values lie one behind the other along z. A node whose walks were cut stays marked.
+vec4 scatter_grid_keep(sampler3D means, ivec3 at, int sets)
+{
+    ivec3 size = textureSize(means, 0);
+    int layers = size.z / sets;
+    ivec3 place = ivec3(at.xy, at.z % layers);
+    ivec3 last = ivec3(size.xy, layers) - 1;
+    vec4 middle = texelFetch(means, at, 0);
+    vec4 sum = vec4(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        ivec3 next = ivec3(0);
+        next[axis] = place[axis] > 0 && place[axis] < last[axis] ? 1 : 0;
+        sum += texelFetch(means, at - next, 0) + texelFetch(means, at + next, 0) - 2.0 * middle;
+    }
+    return middle.a < 0.0 ? middle : vec4(max(middle.rgb - sum.rgb / 12.0, 0.0), middle.a);
+}

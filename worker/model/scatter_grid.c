@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/model/scatter_grid.h"
+
+#include "core/job/job.h"
+#include "worker/glsl/timeline_value.h"
+#include "worker/model/scene_model.h"
+#include "worker/scene/media_extent.h"
+#include "worker/scene/scene_inputs.h"
+
+#include <math.h>
+#include <string.h>
+
+// The share of the box's size by which rounding may put a point of the media outside.
+static const double margin = 1e-5;
+
+static bool timelines_are_equal(const struct timeline *a, const struct timeline *b)
+{
+    double value_a[9] = {0}, value_b[9] = {0};
+
+    if (!timeline_is_constant(a) || !timeline_is_constant(b)) return false;
+    timeline_evaluate(a, 0, value_a);
+    timeline_evaluate(b, 0, value_b);
+    return value_a[0] == value_b[0];
+}
+
+// True when both media certainly scatter alike at all times.
+static bool phases_are_equal(const struct scene_medium *a, const struct scene_medium *b)
+{
+    if (a->lobe_count != b->lobe_count) return false;
+    for (size_t i = 0; i < a->lobe_count; ++i)
+        if (a->lobes[i].kind != b->lobes[i].kind || !timelines_are_equal(&a->lobes[i].weight, &b->lobes[i].weight) ||
+            (a->lobes[i].kind == SCENE_LOBE_HENYEY_GREENSTEIN && !timelines_are_equal(&a->lobes[i].g, &b->lobes[i].g)))
+            return false;
+    return true;
+}
+
+static void add_medium(struct scatter_grid *grid, size_t medium)
+{
+    const struct scene_medium *media = grid->job->scene.media;
+    size_t group = 0;
+
+    while (group < grid->group_count && !phases_are_equal(&media[medium], &media[grid->leaders[group]]))
+        ++group;
+    if (group == grid->group_count) grid->leaders[grid->group_count++] = medium;
+    grid->groups[medium] = group;
+    grid->media[grid->medium_count++] = medium;
+}
+
+struct scatter_grid_box scatter_grid_place(const struct scatter_grid *grid, double time)
+{
+    struct scatter_grid_box box;
+
+    for (int axis = 0; axis < 3; ++axis) {
+        double direction[3] = {0}, low = INFINITY, high = -INFINITY, spare;
+
+        for (size_t i = 0; i < grid->medium_count; ++i) {
+            struct media_extent extent = media_extent_of(grid->job, grid->inputs, grid->media[i], time);
+
+            direction[axis] = 1;
+            high = fmax(high, media_extent_support(&extent, direction));
+            direction[axis] = -1;
+            low = fmin(low, -media_extent_support(&extent, direction));
+        }
+        spare = margin * (high - low);
+        box.low[axis] = low - spare;
+        box.size[axis] = fmax(high - low + 2 * spare, 1e-9);
+    }
+    return box;
+}
+
+static bool is_still(const struct scatter_grid *grid)
+{
+    bool is_still = true;
+
+    for (size_t i = 0; i < grid->medium_count; ++i)
+        is_still &= media_extent_is_still(&grid->job->scene.media[grid->media[i]].density);
+    return is_still;
+}
+
+bool scatter_grid_init(struct scatter_grid *grid, const struct scene_model *model)
+{
+    const struct job *job = model->job;
+    int32_t frame = model->inputs ? model->inputs->frame : frame_range_at(&job->frames, 0);
+    struct scatter_grid_box box;
+    double longest;
+
+    *grid = (struct scatter_grid){.job = job, .inputs = model->inputs};
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        if (model->features.media[i].scatters) add_medium(grid, i);
+    grid->is_still = is_still(grid);
+    box = scatter_grid_place(grid, job_frame_time(job, frame));
+    longest = fmax(fmax(box.size[0], box.size[1]), box.size[2]);
+    if (!isfinite(longest)) return false;
+    for (int i = 0; i < 3; ++i) {
+        double cells = ceil(job->quality.scatter_grid * box.size[i] / longest - 1e-6);
+
+        grid->nodes[i] = 1 + (int)fmax(cells, 1);
+    }
+    return true;
+}
+
+static void evaluate_low(const void *source, double time, double value[static 9])
+{
+    const struct scatter_grid_box box = scatter_grid_place(source, time);
+
+    memcpy(value, box.low, sizeof box.low);
+}
+
+static void evaluate_size(const void *source, double time, double value[static 9])
+{
+    const struct scatter_grid_box box = scatter_grid_place(source, time);
+
+    memcpy(value, box.size, sizeof box.size);
+}
+
+void scatter_grid_add_values(struct frame_uniforms *uniforms, const struct scatter_grid *grid)
+{
+    struct frame_value value = {.type = FRAME_VALUE_VEC3,
+                                .is_constant = grid->is_still,
+                                .evaluate = evaluate_low,
+                                .is_position = true,
+                                .source = grid,
+                                .min = value_range_any.min,
+                                .max = value_range_any.max,
+                                .meaning = "positions of the media"};
+
+    frame_uniforms_add(uniforms, value, "scatter_grid_low");
+    value.evaluate = evaluate_size;
+    value.is_position = false;
+    frame_uniforms_add(uniforms, value, "scatter_grid_size");
+}
+
+static void evaluate_paths(const void *source, double time, double value[static 9])
+{
+    const struct scatter_grid *grid = source;
+
+    (void)time;
+    value[0] = grid->job->quality.paths;
+}
+
+void scatter_grid_add_paths(struct frame_uniforms *uniforms, const struct scatter_grid *grid)
+{
+    const struct frame_value value = {.type = FRAME_VALUE_FLOAT,
+                                      .origin = FRAME_VALUE_OF_PLAN,
+                                      .evaluate = evaluate_paths,
+                                      .source = grid,
+                                      .min = value_range_not_negative.min,
+                                      .max = value_range_not_negative.max,
+                                      .meaning = "quality.paths"};
+
+    frame_uniforms_add(uniforms, value, "scatter_grid_paths");
+}

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/shader/scatter_grid_glue.h"
+
+#include "core/job/job.h"
+#include "worker/density/density_modules.h"
+#include "worker/glsl/scene_cache.h"
+#include "worker/glsl/texture_units.h"
+#include "worker/model/light_grid.h"
+#include "worker/model/light_kind.h"
+#include "worker/model/scatter_grid.h"
+#include "worker/model/scene_model.h"
+#include "worker/model/scene_values.h"
+#include "worker/scene/scene_inputs.h"
+#include "worker/shader/integrators.h"
+#include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scatter_walk_glue.h"
+#include "worker/shader/scene_glue.h"
+#include "worker/shader/scene_glue_media.h"
+#include "worker/shader/scene_glue_tracking.h"
+#include "worker/shader/scene_modules.h"
+
+void scatter_grid_glue_write_lookup(FILE *out, const struct scatter_grid *grid, const struct scene_model *model)
+{
+    fprintf(out, "layout(binding = %d) uniform sampler3D scatter_grid_values;\n", TEXTURE_UNIT_SCATTER);
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        size_t i = grid->media[k];
+
+        fprintf(out,
+                "Spectrum medium_%zu_scattered(vec3 point)\n{\n"
+                "    vec3 at = (point - scatter_grid_low) / scatter_grid_size;\n"
+                "    return scatter_grid_look(scatter_grid_values, at, %zu, %zu).%s;\n}\n",
+                i, grid->groups[i], grid->group_count, model->features.is_rgb ? "rgb" : "r");
+    }
+}
+
+static void write_main(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
+{
+    // A light's order counts up to `most`; a float holds it exactly.
+    int orders = grid->job->scene.orders;
+
+    fputs("void main()\n{\n", out);
+    if (cache->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
+    fprintf(out,
+            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+            "    ivec3 size = imageSize(cache_image);\n"
+            "    int index = at.x + at.y * %d;\n"
+            "    if (index >= size.x * size.y * size.z) return;\n"
+            "    ivec3 texel = ivec3(index %% size.x, index / size.x %% size.y, index / (size.x * size.y));\n"
+            "    int layers = size.z / %zu;\n"
+            "    vec3 share = vec3(texel.xy, texel.z %% layers) / vec3(size.xy - 1, layers - 1);\n"
+            "    scatter_grid_fill(texel, uint(index), scatter_grid_low + share * scatter_grid_size, "
+            "texel.z / layers, %d);\n}\n",
+            SCENE_CACHE_GROUP_SIDE, grid->group_count, orders);
+}
+
+static void add_densities(struct shader_assembly *text, const struct scene_model *walked)
+{
+    for (size_t i = 0; i < walked->features.medium_count; ++i)
+        if (walked->features.media[i].is_seen) scene_modules_add_density(text, walked, i);
+}
+
+static void add_lights(struct shader_assembly *text, const struct scatter_grid_program *program)
+{
+    const struct scene_model *walked = program->walked;
+
+    scene_modules_add_lights(text, walked);
+    scene_modules_add_draws(text, walked);
+    if (!walked->features.media_are_lit) {
+        shader_assembly_generate(text);
+        scene_glue_write_lights(text->out, walked);
+        return;
+    }
+    if (walked->features.has_light_grids) {
+        shader_assembly_add(text, "transmittance/cached.glsl");
+        shader_assembly_add(text, "light_grid/ray.glsl");
+    } else if (!walked->features.marches_to_lights) {
+        shader_assembly_add(text, "transmittance/closed.glsl");
+    } else {
+        shader_assembly_add(text, integrator_to_lights(walked)->module);
+    }
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        shader_assembly_add(text, light_grid_glue_module(&program->light_grids[i]));
+    shader_assembly_generate(text);
+    scene_glue_write_lights(text->out, walked);
+    if (walked->features.estimates_columns) scene_glue_write_estimate(text->out, walked);
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        light_grid_glue_write_lookup(text->out, &program->light_grids[i]);
+}
+
+static bool assemble(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
+                     struct error *error)
+{
+    const struct scene_model *walked = program->walked;
+    struct shader_assembly text;
+
+    if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
+    shader_assembly_add(&text, "math/constants.glsl");
+    shader_assembly_add(&text, walked->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
+    shader_assembly_generate(&text);
+    frame_uniforms_declare(&cache->uniforms, text.out);
+    shader_assembly_add(&text, "math/march.glsl");
+    shader_assembly_add(&text, "math/random.glsl");
+    shader_assembly_add(&text, "scatter/random.glsl");
+    shader_assembly_add(&text, "region/span.glsl");
+    add_densities(&text, walked);
+    shader_assembly_generate(&text);
+    scene_glue_write_media(text.out, walked);
+    shader_assembly_add(&text, "math/tracking.glsl");
+    shader_assembly_generate(&text);
+    scene_glue_write_tracking(text.out, walked);
+    add_lights(&text, program);
+    shader_assembly_generate(&text);
+    scatter_walk_glue_write(text.out, walked, program->grid);
+    shader_assembly_add(&text, "scatter_grid/walk.glsl");
+    shader_assembly_generate(&text);
+    write_main(text.out, program->grid, cache);
+    return scene_cache_end(cache, &text);
+}
+
+// Returns what both caches have in common. The second takes the texture unit over once it is there.
+static struct scene_cache cache_of(const struct scatter_grid *grid)
+{
+    int layers = grid->nodes[2] * (int)grid->group_count;
+
+    return (struct scene_cache){.unit = TEXTURE_UNIT_SCATTER,
+                                .format = SCENE_CACHE_RGBA32F,
+                                .size = {grid->nodes[0], grid->nodes[1], layers},
+                                .invocations = {grid->nodes[0], grid->nodes[1], layers}};
+}
+
+static bool make_means(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
+                       struct error *error)
+{
+    const struct scatter_grid *grid = program->grid;
+    const struct scene_model *walked = program->walked;
+    int nodes;
+
+    *cache = cache_of(grid);
+    nodes = cache->size[0] * cache->size[1] * cache->size[2];
+    cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[1] = (nodes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[2] = 1;
+    cache->takes_turns = cache->is_step = true;
+    cache->reads = program->reads;
+    snprintf(cache->name, sizeof cache->name, "scatter_means");
+    for (size_t i = 0; i < walked->features.medium_count; ++i)
+        cache->reads_files |= walked->features.media[i].is_seen && walked->inputs && walked->inputs->media[i].source;
+    scene_values_add(&cache->uniforms, walked);
+    scatter_grid_add_values(&cache->uniforms, grid);
+    scatter_grid_add_paths(&cache->uniforms, grid);
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        light_grid_add_values(&cache->uniforms, &program->light_grids[i], program->light_grids[i].light);
+    return assemble(cache, program, shader_dir, error);
+}
+
+static bool make_kept(struct scene_cache *cache, const struct scatter_grid *grid, const char *shader_dir,
+                      struct error *error)
+{
+    struct shader_assembly text;
+
+    *cache = cache_of(grid);
+    snprintf(cache->name, sizeof cache->name, "scatter_grid");
+    if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
+    shader_assembly_add(&text, "scatter_grid/keep.glsl");
+    shader_assembly_generate(&text);
+    fprintf(text.out,
+            "layout(binding = %u) uniform sampler3D means;\nvoid main()\n{\n"
+            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+            "    imageStore(cache_image, at, scatter_grid_keep(means, at, %zu));\n}\n",
+            cache->unit, grid->group_count);
+    return scene_cache_end(cache, &text);
+}
+
+bool scatter_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct scatter_grid_program *program,
+                                  const char *shader_dir, struct error *error)
+{
+    if (!make_means(&caches[*count], program, shader_dir, error)) return false;
+    *count += 1;
+    if (!make_kept(&caches[*count], program->grid, shader_dir, error)) return false;
+    caches[*count].reads = (uint64_t)1 << (*count - 1);
+    *count += 1;
+    return true;
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/shader/scatter_walk_glue.h"
+
+#include "core/job/job.h"
+#include "worker/model/scatter_grid.h"
+#include "worker/model/scene_model.h"
+#include "worker/shader/scene_glue_gather.h"
+
+static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t index)
+{
+    switch (lobe) {
+    case LOBE_HENYEY_GREENSTEIN:
+        fprintf(out, "less = scatter_henyey_greenstein(medium_%zu_lobe_%zu_g, walk_random());\n", medium, index);
+        break;
+    case LOBE_RAYLEIGH:
+        fputs("less = scatter_rayleigh(walk_random());\n", out);
+        break;
+    case LOBE_UNSEEN:
+    case LOBE_ISOTROPIC:
+        fputs("less = 2.0 * walk_random();\n", out);
+        break;
+    }
+}
+
+// Writes vec3 medium_I_turned(vec3 direction), which draws from the medium's phase function. A lobe is drawn by weight.
+static void write_turned(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
+{
+    size_t last = 0, seen = 0;
+
+    for (size_t k = 0; k < medium->lobe_count; ++k)
+        if (features->lobes[k] != LOBE_UNSEEN) last = k, seen++;
+    fprintf(out, "vec3 medium_%zu_turned(vec3 direction)\n{\n    float less;\n", i);
+    if (seen > 1) fputs("    float lobe = walk_random();\n", out);
+    for (size_t k = 0; k < last; ++k) {
+        if (features->lobes[k] == LOBE_UNSEEN) continue;
+        fprintf(out, "    if (lobe < medium_%zu_lobe_%zu_weight) ", i, k);
+        write_less(out, features->lobes[k], i, k);
+        fprintf(out, "    else {\n    lobe -= medium_%zu_lobe_%zu_weight;\n", i, k);
+    }
+    fputs("    ", out);
+    write_less(out, medium->lobe_count == 0 ? LOBE_ISOTROPIC : features->lobes[last], i, last);
+    for (size_t k = 1; k < seen; ++k)
+        fputs("    }\n", out);
+    fputs("    return scatter_turn(direction, less, walk_random());\n}\n", out);
+}
+
+static void write_emission(FILE *out, const struct scene_model *model)
+{
+    fputs("Spectrum walk_emission(MediaField field, vec3 point)\n{\n    Spectrum source = spectrum(0.0);\n", out);
+    if (model->features.has_emission) {
+        scene_glue_write_densities(out, model);
+        scene_glue_write_emitted(out, model);
+    }
+    fputs("    return source;\n}\n", out);
+}
+
+static void write_passed(FILE *out, const struct scene_model *model, size_t light)
+{
+    if (model->features.has_light_grids)
+        fprintf(out, "media_transmittance(light_%zu_column(point, light))", light);
+    else if (!model->features.marches_to_lights)
+        fputs("media_transmittance(transmittance_closed(media_spans(point, light.direction), light.distance))", out);
+    else
+        fputs("media_transmittance_estimate(media_spans(point, light.direction), point, light.direction, "
+              "vec2(0.0, light.distance), 0.0)",
+              out);
+}
+
+static void write_lit(FILE *out, const struct scene_model *model)
+{
+    fputs("Spectrum walk_lit(MediaField field, vec3 point, vec3 direction)\n{\n    Spectrum source = spectrum(0.0);\n",
+          out);
+    if (model->features.media_are_lit) scene_glue_write_densities(out, model);
+    for (size_t i = 0; model->features.media_are_lit && i < model->job->scene.light_count; ++i) {
+        if (!model->features.light_is_seen[i]) continue;
+        fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", i);
+        scene_glue_write_scattered(out, "        ", model);
+        fputs("        source += scattered * light.irradiance * ", out);
+        write_passed(out, model, i);
+        fputs(";\n    }\n", out);
+    }
+    fputs("    return source;\n}\n", out);
+}
+
+// Among several media one is drawn by its share of what is scattered.
+static void write_scatter(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+{
+    fputs("void walk_scatter(MediaField field, vec3 direction, inout Spectrum weight, out vec3 turned)\n{\n", out);
+    scene_glue_write_densities(out, model);
+    if (grid->medium_count > 1) fputs("    float all = 0.0;\n", out);
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        size_t i = grid->media[k];
+
+        fprintf(out, "    Spectrum part_%zu = weight * medium_%zu_sigma_s * density_%zu;\n", i, i, i);
+        if (grid->medium_count > 1) fprintf(out, "    all += spectrum_mean(part_%zu);\n", i);
+    }
+    if (grid->medium_count > 1) fputs("    float draw = walk_random() * all;\n", out);
+    for (size_t k = 0; k + 1 < grid->medium_count; ++k) {
+        size_t i = grid->media[k];
+
+        fprintf(out,
+                "    if (draw < spectrum_mean(part_%zu)) {\n        weight = part_%zu * (all / "
+                "spectrum_mean(part_%zu));\n        turned = medium_%zu_turned(direction);\n        return;\n    }\n"
+                "    draw -= spectrum_mean(part_%zu);\n",
+                i, i, i, i, i);
+    }
+    if (grid->medium_count > 1)
+        fprintf(out,
+                "    float left = spectrum_mean(part_%zu);\n"
+                "    weight = left > 0.0 ? part_%zu * (all / left) : spectrum(0.0);\n",
+                grid->media[grid->medium_count - 1], grid->media[grid->medium_count - 1]);
+    else
+        fprintf(out, "    weight = part_%zu;\n", grid->media[0]);
+    fprintf(out, "    turned = medium_%zu_turned(direction);\n}\n", grid->media[grid->medium_count - 1]);
+}
+
+static void write_first(FILE *out, const struct scatter_grid *grid)
+{
+    fputs("vec3 walk_first(int set, vec3 direction)\n{\n", out);
+    for (size_t group = 0; group + 1 < grid->group_count; ++group)
+        fprintf(out, "    if (set == %zu) return medium_%zu_turned(direction);\n", group, grid->leaders[group]);
+    fprintf(out, "    return medium_%zu_turned(direction);\n}\n", grid->leaders[grid->group_count - 1]);
+}
+
+void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+{
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        size_t i = grid->media[k];
+
+        write_turned(out, &model->job->scene.media[i], &model->features.media[i], i);
+    }
+    // Media that glow without extinction have no collisions.
+    fprintf(out, "const float WALK_SAMPLES = %s;\n", model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
+    write_emission(out, model);
+    write_lit(out, model);
+    write_scatter(out, model, grid);
+    write_first(out, grid);
+    fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");
+}
