@@ -72,6 +72,24 @@ static bool check_direction(const struct moment *moment, const struct json_node 
     return json_fail(&node, moment->error, "expected a vector whose length is not 0, got one of 0%s", moment->where);
 }
 
+static bool check_cone(const struct moment *moment, const struct json_node *spot, const struct scene_light *light)
+{
+    struct json_node node = json_node_child(spot, "inner");
+    double inner[3], outer[3];
+
+    timeline_evaluate(&light->inner, moment->time, inner);
+    timeline_evaluate(&light->outer, moment->time, outer);
+    return inner[0] <= outer[0] || json_fail(&node, moment->error, "expected at most outer, %.10g degrees, got %.10g%s",
+                                             outer[0], inner[0], moment->where);
+}
+
+static bool check_dome(const struct moment *moment, const struct json_node *light, const struct scene_dome *dome)
+{
+    struct json_node node = json_node_child(light, dome->kind == SCENE_DOME_FILE ? "rotate" : "gradient");
+
+    return dome->kind == SCENE_DOME_RADIANCE || check_direction(moment, &node, "axis", &dome->axis);
+}
+
 static bool check_lights(const struct moment *moment)
 {
     struct json_node lights = json_node_child(moment->document, "lights");
@@ -83,6 +101,8 @@ static bool check_lights(const struct moment *moment)
         if (light_rules_of(light->kind)->has_direction &&
             !check_direction(moment, &node, "direction", &light->direction))
             return false;
+        if (light->kind == SCENE_LIGHT_SPOT && !check_cone(moment, &node, light)) return false;
+        if (light->kind == SCENE_LIGHT_DOME && !check_dome(moment, &node, &light->dome)) return false;
     }
     return true;
 }
@@ -195,7 +215,8 @@ bool job_check(const struct job *job, const struct json_node *document, struct e
 {
     return check_paths(job, document, error) && check_tolerance(job, document, error) &&
            check_pixels(job, document, error) && scattering_check(job, document, error) &&
-           check_moments(job, document, error) && step_check(job, document, error);
+           check_moments(job, document, error) && step_check(job, document, error) &&
+           scattering_check_is_rendered(job, document, error);
 }
 
 static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)

@@ -125,7 +125,8 @@ void job_warnings_find(const struct job *job, job_warnings_on_found *on_found, v
                  job->quality.tolerance);
         on_found(user, text);
     }
-    for (size_t i = 0; i < scene->medium_count && scene->object_count == 0; i++) {
+    // What no frame shows may light what frames show.
+    for (size_t i = 0; i < scene->medium_count && scene->object_count == 0 && scene->orders <= 1; i++) {
         if (is_shown(job, &scene->media[i].density)) continue;
         scene_format_medium_place(scene, i, place, sizeof place);
         snprintf(text, sizeof text,

@@ -3,32 +3,187 @@
 
 #include "core/job/job.h"
 #include "core/json/json_read.h"
+#include "core/scene/density_rules.h"
 #include "core/scene/light_rules.h"
+#include "core/scene/scene_nodes.h"
 
-static bool check_lights(const struct job *job, const struct json_node *document, struct error *error)
+struct check {
+    const struct job *job;
+    const struct json_node *document;
+    struct json_node quality, lights;
+    struct timeline_span span; // the times at which something is seen
+    struct error *error;
+};
+
+// Fails at a light's key.
+static bool fail_light(const struct check *check, size_t index, const char *key, const char *why)
 {
-    struct json_node lights = json_node_child(document, "lights");
+    struct json_node light = json_node_element(&check->lights, index), node = json_node_child(&light, key);
 
-    for (size_t i = 0; i < job->scene.light_count; i++) {
-        struct json_node light = json_node_element(&lights, i), kind = json_node_child(&light, "kind");
+    return json_fail(&node, check->error, "%s", why);
+}
 
-        if (light_rules_of(job->scene.lights[i].kind)->has_size)
-            return json_fail(&kind, error, "not rendered yet: only point, sun and spot are");
+static bool check_domes(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    size_t count = 0;
+
+    for (size_t i = 0; i < scene->light_count; i++) {
+        if (scene->lights[i].kind != SCENE_LIGHT_DOME) continue;
+        if (++count > 1) return fail_light(check, i, "kind", "expected one dome at most, got two");
+        if (scene->lights[i].dome.is_visible && scene->has_background)
+            return fail_light(check, i, "visible", "not beside a background: both lie behind everything");
     }
     return true;
 }
 
+static bool check_sizes(const struct check *check)
+{
+    const struct job *job = check->job;
+
+    for (size_t i = 0; i < job->scene.light_count; i++)
+        if (light_rules_of(job->scene.lights[i].kind)->has_size && job->scene.orders <= 1 &&
+            job->quality.method != JOB_METHOD_PATHS)
+            return fail_light(check, i, "kind",
+                              "its light comes from many directions, and needs quality.method \"paths\", or "
+                              "scene.scattering.orders above 1");
+    return true;
+}
+
+static bool check_method(const struct check *check)
+{
+    const struct job_quality *quality = &check->job->quality;
+    struct json_node method = json_node_child(&check->quality, "method");
+    struct json_node grid = json_node_child(&check->quality, "scatter_grid");
+    bool is_open = quality->method == JOB_METHOD_PATHS || !job_quality_states_method(quality);
+
+    if (check->job->scene.orders <= 1)
+        return quality->scatter_grid == 0 ||
+               json_fail(&grid, check->error, "only where light scatters more than once: scene.scattering");
+    if (is_open) return true;
+    if (quality->method == JOB_METHOD_RIEMANN || quality->method == JOB_METHOD_PREINTEGRATED ||
+        quality->method == JOB_METHOD_TRACKING)
+        return json_fail(&method, check->error,
+                         "expected one that shows light scattered more than once (paths, or another march with a "
+                         "scatter_grid), got %s",
+                         job_method_name(quality->method));
+    return quality->scatter_grid > 0 ||
+           json_fail_expected(&grid, check->error,
+                              "a number of cells, which a march needs where light scatters more than once (or "
+                              "quality.method \"paths\")");
+}
+
+static bool is_above_zero(const struct check *check, const struct timeline *timeline)
+{
+    double least[3], largest[3];
+
+    timeline_find_bounds(timeline, check->span, least, largest);
+    for (int i = 0; i < timeline->component_count; i++)
+        if (largest[i] > 0.0) return true;
+    return false;
+}
+
+static bool check_objects(const struct check *check)
+{
+    static const char why[] =
+        "not with random paths, which end at what reflects or refracts as a mirror does: they are "
+        "those of quality.method \"paths\" and of scene.scattering.orders above 1";
+    const struct scene *scene = &check->job->scene;
+
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct scene_material *material = &scene->objects[i].material;
+        struct scene_nodes nodes;
+        const struct json_node *node = scene_nodes_find_material(&nodes, check->document, i);
+        struct json_node kind = json_node_child(node, "kind"), specular = json_node_child(node, "specular");
+
+        if (material->kind != SCENE_MATERIAL_DIFFUSE) return json_fail(&kind, check->error, "%s", why);
+        if (is_above_zero(check, &material->specular)) return json_fail(&specular, check->error, "%s", why);
+    }
+    return true;
+}
+
+static bool check_majorant(const struct check *check, size_t index)
+{
+    const struct scene *scene = &check->job->scene;
+    const struct scene_density *density = &scene->media[index].density;
+    struct scene_nodes nodes;
+    struct json_node node = json_node_child(scene_nodes_find_medium(&nodes, check->document, scene, index), "density");
+    struct json_node majorant = json_node_child(&node, "majorant");
+
+    return density->kind != SCENE_DENSITY_GLSL || density->glsl.majorant > 0.0 ||
+           json_fail_expected(&majorant, check->error, "an upper bound of density(), which random paths need");
+}
+
+// Whether the medium scatters, and in some channel and at some time does not absorb.
+static bool is_white(const struct check *check, const struct scene_medium *medium)
+{
+    double least[3], largest[3];
+
+    if (!is_above_zero(check, &medium->sigma_s)) return false;
+    timeline_find_bounds(&medium->sigma_a, check->span, least, largest);
+    for (int i = 0; i < medium->sigma_a.component_count; i++)
+        if (least[i] <= 0.0) return true;
+    return false;
+}
+
+// A path that is never absorbed ends when it leaves the media.
+static bool check_end(const struct check *check, size_t index)
+{
+    const struct scene *scene = &check->job->scene;
+    const struct scene_medium *medium = &scene->media[index];
+    const struct scene_density *density = &medium->density;
+    bool is_endless = density->bounds.kind == SCENE_BOUNDS_NONE && medium->owner == 0 &&
+                      density->kind != SCENE_DENSITY_GRID && !density_rules_of(density)->find_diameter;
+    struct scene_nodes nodes;
+    struct json_node node = json_node_child(scene_nodes_find_medium(&nodes, check->document, scene, index), "density");
+
+    return scene->orders <= 1 || !is_endless || !is_white(check, medium) ||
+           json_fail(&node, check->error,
+                     "expected bounds, or a sigma_a above 0: where nothing absorbs light and nothing ends, it scatters "
+                     "without end");
+}
+
+static bool check_paths(const struct check *check)
+{
+    const struct job *job = check->job;
+
+    if (job->scene.orders <= 1 && job->quality.method != JOB_METHOD_PATHS) return true;
+    if (!check_objects(check)) return false;
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        if (!check_majorant(check, i) || !check_end(check, i)) return false;
+    return true;
+}
+
+static struct check check_of(const struct job *job, const struct json_node *document, struct error *error)
+{
+    return (struct check){.job = job,
+                          .document = document,
+                          .quality = json_node_child(document, "quality"),
+                          .lights = json_node_child(document, "lights"),
+                          .span = job_time_span(job),
+                          .error = error};
+}
+
 bool scattering_check(const struct job *job, const struct json_node *document, struct error *error)
 {
-    struct json_node scene = json_node_child(document, "scene"), scattering = json_node_child(&scene, "scattering");
-    struct json_node orders = json_node_child(&scattering, "orders"), quality = json_node_child(document, "quality");
-    struct json_node method = json_node_child(&quality, "method"), grid = json_node_child(&quality, "scatter_grid");
+    const struct check check = check_of(job, document, error);
 
-    if (job->scene.orders != 1 && job->quality.method != JOB_METHOD_PATHS && job->quality.scatter_grid == 0)
-        return json_fail(&orders, error, "not rendered yet by this method: above 1 only paths and scatter_grid are");
-    if (job->quality.method == JOB_METHOD_PATHS && job->scene.object_count > 0)
-        return json_fail(&method, error, "not rendered yet: paths in scenes with objects");
-    if (job->quality.scatter_grid > 0 && job->scene.object_count > 0)
-        return json_fail(&grid, error, "not rendered yet: a grid in scenes with objects");
-    return check_lights(job, document, error);
+    return check_domes(&check) && check_sizes(&check) && check_paths(&check) && check_method(&check);
+}
+
+bool scattering_check_is_rendered(const struct job *job, const struct json_node *document, struct error *error)
+{
+    const struct check check = check_of(job, document, error);
+    struct json_node method = json_node_child(&check.quality, "method");
+    bool is_walked = job->scene.orders > 1 || job->quality.method == JOB_METHOD_PATHS;
+
+    if (is_walked && !job_quality_states_method(&job->quality))
+        return json_fail(&check.quality, error,
+                         "not rendered yet above order 1: state a method, paths or a march with a scatter_grid");
+    if (is_walked && job->scene.object_count > 0)
+        return json_fail(&method, error, "not rendered yet: random paths in scenes with objects");
+    for (size_t i = 0; i < job->scene.light_count; i++)
+        if (light_rules_of(job->scene.lights[i].kind)->has_size)
+            return fail_light(&check, i, "kind", "not rendered yet: only point, sun and spot are");
+    return true;
 }

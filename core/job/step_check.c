@@ -189,6 +189,19 @@ static const char *describe_path(const struct check *check, size_t index, char a
     return along;
 }
 
+// Whether marches go to the light: random paths find those of many directions.
+static bool is_marched_to(const struct scene_light *light)
+{
+    return !light_rules_of(light->kind)->has_size;
+}
+
+static bool has_marched_lights(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (is_marched_to(&scene->lights[i])) return true;
+    return false;
+}
+
 // The longest path of a light through a medium, m; an unbounded one is an error.
 static bool find_light_path(const struct check *check, size_t index, double *longest)
 {
@@ -197,7 +210,8 @@ static bool find_light_path(const struct check *check, size_t index, double *lon
 
     *longest = 0.0;
     for (size_t i = 0; i < scene->light_count; i++) {
-        double path = light_path(check, &scene->media[index], &scene->lights[i]);
+        double path =
+            is_marched_to(&scene->lights[i]) ? light_path(check, &scene->media[index], &scene->lights[i]) : 0.0;
 
         if (isinf(path))
             return json_fail(find_density(check, index, &nodes), check->error,
@@ -227,7 +241,7 @@ static bool has_endless_sun(const struct check *check, size_t index)
     const struct scene *scene = &check->job->scene;
 
     for (size_t i = 0; i < scene->light_count; i++)
-        if (!light_rules_of(scene->lights[i].kind)->has_position &&
+        if (is_marched_to(&scene->lights[i]) && !light_rules_of(scene->lights[i].kind)->has_position &&
             isinf(light_path(check, &scene->media[index], &scene->lights[i])))
             return true;
     return false;
@@ -301,7 +315,7 @@ static bool check_light_grids(const struct check *check)
     size_t count = 0;
 
     if (!check_no_objects(check)) return false;
-    for (size_t i = 0; i < scene->medium_count && scene->light_count > 0; i++) {
+    for (size_t i = 0; i < scene->medium_count && has_marched_lights(scene); i++) {
         const struct scene_density *density = &scene->media[i].density;
         struct density_nodes nodes;
 
@@ -322,8 +336,8 @@ static bool check_cached(const struct check *check)
 
     if (!check_voxels(check) || !check_light_grids(check)) return false;
     for (size_t i = 0; i < scene->medium_count; i++)
-        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && (scene->light_count > 0 || !media_are_even(scene)) &&
-            !check_march(check, i))
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID &&
+            (has_marched_lights(scene) || !media_are_even(scene)) && !check_march(check, i))
             return false;
     return true;
 }
@@ -338,12 +352,12 @@ static bool check_midpoint(const struct check *check)
 
     if (!check_voxels(check)) return false;
     if (!is_even && job_quality_states_method(quality) && !job_quality_has_majorants(quality) &&
-        scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
+        has_marched_lights(scene) && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
         return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_density *density = &scene->media[i].density;
 
-        if (density->kind == SCENE_DENSITY_GRID || (is_even && scene->light_count == 0)) continue;
+        if (density->kind == SCENE_DENSITY_GRID || (is_even && !has_marched_lights(scene))) continue;
         if (!check_march(check, i) || (!scene_density_is_even(density) && !check_light_march(check, i))) return false;
     }
     return true;
@@ -369,13 +383,6 @@ static bool check_tracking(const struct check *check)
     for (size_t i = 0; i < scene->medium_count && job_quality_has_majorants(&check->job->quality); i++)
         if (!check_majorant(check, i)) return false;
     return check_midpoint(check);
-}
-
-static bool check_random_paths(const struct check *check)
-{
-    for (size_t i = 0; i < check->job->scene.medium_count; i++)
-        if (!check_majorant(check, i)) return false;
-    return true;
 }
 
 static bool check_riemann(const struct check *check)
@@ -409,7 +416,7 @@ static bool check_points(const struct check *check)
     struct json_node points = json_node_child(check->quality, "points");
     int limit;
 
-    if (scene->medium_count == 0 || scene->light_count == 0) return true;
+    if (scene->medium_count == 0 || !has_marched_lights(scene)) return true;
     limit = JOB_MARCH_STEPS_LIMIT / (int)(scene->light_count * (2 * scene->medium_count - 1));
     if (check->job->quality.points <= limit) return true;
     return json_fail(&points, check->error, "expected at most %d with %zu lights and %zu media, got %d", limit,
@@ -456,7 +463,7 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
     case JOB_METHOD_PATHS:
-        return check_random_paths(&check);
+        return true; // scattering_check
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);

@@ -6,7 +6,8 @@
 #include "core/scene/scene_reader.h"
 
 // A cone of half-angle 90 degrees is half of all directions.
-static const struct timeline_limits CONE = {.components = 1, .min = 0.0, .max = 90.0, .excludes_min = true};
+static const struct timeline_limits INNER = {.components = 1, .min = 0.0, .max = 90.0};
+static const struct timeline_limits OUTER = {.components = 1, .min = 0.0, .max = 90.0, .excludes_min = true};
 
 static bool read_point(const struct scene_reader *reader, struct scene_light *light)
 {
@@ -39,8 +40,8 @@ static bool read_spot(const struct scene_reader *reader, struct scene_light *lig
            scene_reader_read(reader, "intensity", &SCENE_RADIANCE, &light->intensity) &&
            scene_reader_read(reader, "position", &SCENE_POSITION, &light->position) &&
            scene_reader_read(reader, "direction", &SCENE_DIRECTION, &light->direction) &&
-           scene_reader_read(reader, "inner", &CONE, &light->inner) &&
-           scene_reader_read(reader, "outer", &CONE, &light->outer);
+           scene_reader_read(reader, "inner", &INNER, &light->inner) &&
+           scene_reader_read(reader, "outer", &OUTER, &light->outer);
 }
 
 static bool read_sphere(const struct scene_reader *reader, struct scene_light *light)
@@ -90,6 +91,16 @@ static bool read_image(const struct scene_reader *reader, struct scene_light *li
     return scene_reader_read_or(reader, "scale", &SCENE_RADIANCE, 1.0, &light->intensity) && read_turn(reader, light);
 }
 
+static bool check_one_source(const struct scene_reader *dome)
+{
+    static const char *const numbers[] = {"none", "one", "two", "three"};
+    int count = scene_reader_has_key(dome, "radiance") + scene_reader_has_key(dome, "gradient") +
+                scene_reader_has_key(dome, "file");
+
+    return count == 1 ||
+           json_fail(dome->object, dome->error, "expected one of radiance, gradient and file, got %s", numbers[count]);
+}
+
 static bool read_dome(const struct scene_reader *reader, struct scene_light *light)
 {
     static const char *const radiance_keys[] = {"kind", "radiance", "visible", NULL};
@@ -99,7 +110,8 @@ static bool read_dome(const struct scene_reader *reader, struct scene_light *lig
 
     light->dome.axis = (struct timeline){.component_count = 3, .value = {0.0, 1.0, 0.0}};
     light->dome.opposite = light->dome.angle = (struct timeline){.component_count = 1};
-    if (!json_node_is_absent(&visible) && !json_read_bool(&visible, &light->dome.is_visible, reader->error))
+    if (!check_one_source(reader) ||
+        (!json_node_is_absent(&visible) && !json_read_bool(&visible, &light->dome.is_visible, reader->error)))
         return false;
     if (scene_reader_has_key(reader, "file")) {
         light->dome.kind = SCENE_DOME_FILE;

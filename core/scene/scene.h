@@ -77,12 +77,12 @@ struct scene_light {
     // 1 or 3 components, >= 0: W/sr; of a sun: irradiance; of a dome: radiance, that of the gradient along its axis, or
     // by what the image is multiplied. A sphere's radiance is intensity / (pi radius^2), W/sr seen from afar.
     struct timeline intensity;
-    struct timeline position;  // where its kind has one (light_rules.h)
-    struct timeline direction; // the same: the direction of travel of its light; any length but 0
-    struct timeline inner,
-        outer;              // spot: half-angles in degrees, (0, 90]; all of its light, and none; smoothstep between
-    struct timeline radius; // sphere: m, > 0
-    struct scene_dome dome; // dome
+    struct timeline position;     // where its kind has one (light_rules.h)
+    struct timeline direction;    // the same: the direction of travel of its light; any length but 0
+    struct timeline inner, outer; // spot: half-angles in degrees, of all of its light, [0, 90], and none, (0, 90];
+                                  // smoothstep between; inner <= outer
+    struct timeline radius;       // sphere: m, > 0
+    struct scene_dome dome;       // dome
 };
 
 // Blackbody emission: source = intensity rho B(kelvin value). B is Planck's radiation in linear Rec. 709, scaled to the

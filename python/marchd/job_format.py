@@ -169,11 +169,92 @@ class SunLight(TypedDict):
     direction: Direction
 
 
+class SpotLight(TypedDict):
+    """A point that shines into a cone."""
+
+    kind: Literal["spot"]
+    # W/sr, inside the inner cone.
+    intensity: Radiance
+    position: Position
+    # The direction in which its light travels in the middle.
+    direction: Direction
+    # Half of the inner cone's angle, degrees; from here on its light fades smoothly.
+    inner: Inner
+    # Half of the outer cone's angle, degrees; beyond there is none of its light.
+    outer: Outer
+
+
+class SphereLight(TypedDict):
+    """A ball of even radiance, dark inside. It casts no shadow and is not seen."""
+
+    kind: Literal["sphere"]
+    # W/sr, seen from afar.
+    intensity: Radiance
+    # Its middle.
+    position: Position
+    # m
+    radius: Size
+
+
+class EvenDome(TypedDict):
+    """Light from all directions, infinitely far away."""
+
+    kind: Literal["dome"]
+    radiance: Radiance
+    visible: NotRequired[bool]
+
+
+class GradientDome(TypedDict):
+    """A dome between two colours, linear in the cosine to its axis."""
+
+    kind: Literal["dome"]
+    gradient: GradientDomeGradient
+    visible: NotRequired[bool]
+
+
+class GradientDomeGradient(TypedDict):
+    # Radiance from where the axis points.
+    along: Radiance
+    # Radiance from the other end.
+    against: Radiance
+    # [0, 1, 0] if absent.
+    axis: NotRequired[Direction]
+
+
+class ImageDome(TypedDict):
+    """A dome that shows an image in latitude and longitude."""
+
+    kind: Literal["dome"]
+    # An EXR file's path, relative to the job file: linear radiance, its first row at the top.
+    file: str
+    # By what the image is multiplied; 1 if absent.
+    scale: NotRequired[Radiance]
+    rotate: NotRequired[ImageDomeRotate]
+    visible: NotRequired[bool]
+
+
+class ImageDomeRotate(TypedDict):
+    # [0, 1, 0] if absent.
+    axis: NotRequired[Direction]
+    # Degrees.
+    angle: Angle
+
+
 class Scene(TypedDict):
+    # How often light scatters; once if absent.
+    scattering: NotRequired[SceneScattering]
     # Where media overlap, they add.
     media: NotRequired[Sequence[Medium]]
     # Solids. Where they overlap, only the later one exists.
     objects: NotRequired[Sequence[Object]]
+
+
+class SceneScattering(TypedDict):
+    """How often light scatters; once if absent."""
+
+    # The light of lamps and domes scatters at most so often, in media and at diffuse surfaces alike; emitted light once
+    # less.
+    orders: int | Literal["all"]
 
 
 class CoefficientsMedium(TypedDict):
@@ -562,6 +643,8 @@ class Midpoint(TypedDict):
     min_transmittance: NotRequired[float]
     roulette: NotRequired[Roulette]
     pixels: NotRequired[Pixels]
+    scatter_grid: NotRequired[int]
+    paths: NotRequired[int]
     samples: NotRequired[int]
     max_depth: NotRequired[int]
     min_throughput: NotRequired[float]
@@ -583,6 +666,8 @@ class Equiangular(TypedDict):
     # Points for each light and interval of a ray.
     points: int
     pixels: NotRequired[Pixels]
+    scatter_grid: NotRequired[int]
+    paths: NotRequired[int]
     samples: NotRequired[int]
     max_depth: NotRequired[int]
     min_throughput: NotRequired[float]
@@ -604,6 +689,8 @@ class Adaptive(TypedDict):
     min_transmittance: NotRequired[float]
     roulette: NotRequired[Roulette]
     pixels: NotRequired[Pixels]
+    scatter_grid: NotRequired[int]
+    paths: NotRequired[int]
     samples: NotRequired[int]
     max_depth: NotRequired[int]
     min_throughput: NotRequired[float]
@@ -624,6 +711,8 @@ class Gauss(TypedDict):
     light_step_voxels: NotRequired[float]
     min_transmittance: NotRequired[float]
     pixels: NotRequired[Pixels]
+    scatter_grid: NotRequired[int]
+    paths: NotRequired[int]
     samples: NotRequired[int]
     max_depth: NotRequired[int]
     min_throughput: NotRequired[float]
@@ -644,6 +733,8 @@ class Cached(TypedDict):
     density_grid: NotRequired[int]
     min_transmittance: NotRequired[float]
     pixels: NotRequired[Pixels]
+    scatter_grid: NotRequired[int]
+    paths: NotRequired[int]
     samples: NotRequired[int]
     max_depth: NotRequired[int]
     min_throughput: NotRequired[float]
@@ -672,6 +763,17 @@ class TrackingMarched(TypedDict):
     light_step_voxels: NotRequired[float]
     roulette: NotRequired[Roulette]
     samples: NotRequired[int]
+
+
+class Paths(TypedDict):
+    """Random paths of all orders of scattering, without bias: their noise is all of the error."""
+
+    method: Literal["paths"]
+    # Random paths of a pixel.
+    paths: int
+    samples: NotRequired[int]
+    pixels: NotRequired[Pixels]
+    max_cut: NotRequired[float]
 
 
 class Output(TypedDict):
@@ -712,13 +814,15 @@ MovingNumber: TypeAlias = MovingNumberStart | MovingNumberLissajous | MovingNumb
 Fov: TypeAlias = float | MovingNumber
 # A number or [r, g, b], or an object that moves it.
 Radiance: TypeAlias = float | Sequence[float] | MovingNumber | MovingVector
-Light: TypeAlias = PointLight | SunLight
+Inner: TypeAlias = float | MovingNumber
+Outer: TypeAlias = float | MovingNumber
 Size: TypeAlias = float | MovingNumber
+Angle: TypeAlias = float | MovingNumber
+Light: TypeAlias = PointLight | SunLight | SpotLight | SphereLight | EvenDome | GradientDome | ImageDome
 Length: TypeAlias = float | MovingNumber
 Sides: TypeAlias = Sequence[float] | MovingVector
 # Outside the density is 0; inside it rises smoothly over the length of falloff.
 Bounds: TypeAlias = SphereBounds | BoxBounds | SlabBounds
-Angle: TypeAlias = float | MovingNumber
 Exponent: TypeAlias = float | MovingNumber
 Lacunarity: TypeAlias = float | MovingNumber
 Hurst: TypeAlias = float | MovingNumber
@@ -742,7 +846,7 @@ Object: TypeAlias = SphereObject | BoxObject | PlaneObject | UnionObject
 # A method and its numbers, or a tolerance, or the one word draft; a tolerance of 0.01 if absent.
 Quality: TypeAlias = (
     Literal["draft"] | Auto | Riemann | Midpoint | Equiangular | Adaptive | Gauss | Cached | Tracking |
-    TrackingMarched
+    TrackingMarched | Paths
 )
 
 __all__ = [
@@ -765,16 +869,22 @@ __all__ = [
     "Dielectric",
     "Direction",
     "Equiangular",
+    "EvenDome",
     "EvenMedium",
     "Exponent",
     "FoldFractal",
     "Fov",
     "Gauss",
     "Glsl",
+    "GradientDome",
+    "GradientDomeGradient",
     "Grid",
     "HenyeyGreensteinLobe",
     "Homogeneous",
     "Hurst",
+    "ImageDome",
+    "ImageDomeRotate",
+    "Inner",
     "Intensity",
     "Ior",
     "JobDocument",
@@ -805,7 +915,9 @@ __all__ = [
     "Object",
     "Orbit",
     "OrbitNumbers",
+    "Outer",
     "Output",
+    "Paths",
     "Pixels",
     "PlaneObject",
     "PlaneShape",
@@ -818,6 +930,7 @@ __all__ = [
     "Riemann",
     "Roulette",
     "Scene",
+    "SceneScattering",
     "Shape",
     "Share",
     "Shiny",
@@ -825,8 +938,10 @@ __all__ = [
     "Size",
     "SlabBounds",
     "SphereBounds",
+    "SphereLight",
     "SphereObject",
     "SphereShape",
+    "SpotLight",
     "SunLight",
     "Texture",
     "Tracking",

@@ -106,6 +106,17 @@ const char job_text_glsl[] = OPENING
     "]},"
     "\"quality\":{\"method\":\"midpoint\",\"step\":0.5}}";
 
+const char job_text_paths[] = OPENING
+    "\"lights\":["
+    "{\"kind\":\"spot\",\"intensity\":[1,2,3],\"position\":{\"orbit\":{\"radius\":2,\"period\":9}},\"direction\":[0,-2,"
+    "0],\"inner\":{\"start\":10,\"rate\":1},\"outer\":{\"keys\":[[0,30],[1,40]]}},"
+    "{\"kind\":\"sphere\",\"intensity\":4,\"position\":[0,3,0],\"radius\":{\"start\":0.25,\"rate\":0.125}},"
+    "{\"kind\":\"dome\",\"file\":\"/data/noon.exr\",\"scale\":[1,0.5,0.25],\"rotate\":{\"axis\":[0,1,0.5],\"angle\":{"
+    "\"start\":30,\"rate\":5}},\"visible\":true}],"
+    "\"scene\":{\"scattering\":{\"orders\":8},\"media\":["
+    "{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":\"sphere\",\"radius\":1}},\"sigma_s\":1}]},"
+    "\"quality\":{\"method\":\"paths\",\"paths\":64,\"samples\":2}}";
+
 const char job_text_objects[] = OPENING
     "\"lights\":[" POINT_LIGHT "],\"scene\":{\"media\":["
     "{\"density\":{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":2}},\"sigma_s\":1}],"

@@ -15,5 +15,7 @@ extern const char job_text_noise[];
 extern const char job_text_fog[];
 extern const char job_text_grid[];
 extern const char job_text_glsl[];
+// One that uses every key of scattering, of the lights that a march alone does not show, and of random paths.
+extern const char job_text_paths[];
 // One that uses every key of objects, materials and textures, and has interiors.
 extern const char job_text_objects[];

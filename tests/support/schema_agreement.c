@@ -36,6 +36,15 @@
 #define BALLS BALL "," BALL "," BALL "," BALL "," BALL "," BALL
 #define UNION "{\"kind\":\"union\",\"of\":[" BALLS "," BALLS "," BALLS "],\"material\":{\"kind\":\"mirror\"}}"
 
+#define DOME "{\"kind\":\"dome\",\"radiance\":1}"
+#define SPOT(inner, outer)                                                                                             \
+    "{\"kind\":\"spot\",\"intensity\":1,\"position\":[0,3,0],\"direction\":[0,-1,0],\"inner\":" inner                  \
+    ",\"outer\":" outer "}"
+#define SEVERAL(density) "{\"scattering\":{\"orders\":2},\"media\":[{\"sigma_s\":1,\"density\":" density "}]}"
+#define CODE                                                                                                           \
+    "{\"kind\":\"glsl\",\"source\":\"float density(vec3 p, float t) { return 1.0; }\",\"bounds\":{\"kind\":"           \
+    "\"sphere\",\"radius\":1}}"
+
 const struct cross_rule schema_cross_rules[] = {
     {"a name counts bytes, not characters, and has no U+0080 to U+009F",
      "1 to 128 printable bytes",
@@ -98,6 +107,28 @@ const struct cross_rule schema_cross_rules[] = {
      "media, interiors among them",
      {"scene", "{\"media\":[" FOGS "," FOG "],\"objects\":[" GLASS "]}"}},
     {"shapes in all", "shapes in all", {"scene", "{\"objects\":[" UNION "," UNION "]}"}},
+    {"one dome at most", "expected one dome at most", {"lights", "[" DOME "," DOME "]"}},
+    {"a visible dome is the background",
+     "both lie behind everything",
+     {"lights", "[{\"kind\":\"dome\",\"radiance\":1,\"visible\":true}]"}},
+    {"light of many directions", "its light comes from many directions", {"lights", "[" DOME "]"}},
+    {"cones are one in the other", "expected at most outer", {"lights", "[" SPOT("30", "20") "]"}},
+    {"a scatter_grid is for several orders",
+     "only where light scatters more than once",
+     {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":8}"}},
+    {"several orders need a scatter_grid",
+     "which a march needs where light scatters more than once",
+     {"scene.scattering", "{\"orders\":2}"}},
+    {"methods of one order",
+     "expected one that shows light scattered more than once",
+     {"scene.scattering", "{\"orders\":2}"}},
+    {"paths of nodes", "only beside scatter_grid", {"quality.paths", "3"}},
+    {"random paths end at glass",
+     "not with random paths",
+     {"scene", "{\"scattering\":{\"orders\":\"all\"},\"objects\":[" GLASS "]}"}},
+    {"random paths know a majorant", "which random paths need", {"scene", SEVERAL(CODE)}},
+    {"random paths end", "it scatters without end", {"scene", SEVERAL("{\"kind\":\"homogeneous\"}")}},
+    {"what is not rendered yet", "not rendered yet", {0}},
     {"output stays below its root", "expected a path below", {"output.path", "\"/elsewhere/a.#.exr\""}},
     {"no . or .. in a path", "is not allowed in a path", {"output.path", "\"../a.#.exr\""}},
     {"a number in the name alone", "belongs into the file name", {"output.path", "\"%04d/a.#.exr\""}},
@@ -166,6 +197,8 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"sphere\"",
                                           "\"box\"",
                                           "\"slab\"",
+                                          "\"all\"",
+                                          "\"b/a.EXR\"",
                                           "\"clip\"",
                                           "\"rayleigh\"",
                                           "\"uint8\"",
@@ -215,6 +248,8 @@ static const char *const for_others[] = {
     "2",
     "3",
     "33",
+    "90",
+    "90.5",
     "100",
     "100.5",
     "101",
@@ -249,6 +284,11 @@ static const char *const for_others[] = {
     "[-2,-2,3,4,0]",
     "65536",
     "65537",
+    "256",
+    "257",
+    "4",
+    "1048576",
+    "1048577",
     "1125899906842624",
     "1125899906842625",
     "{\"grid\":\"t\",\"kelvin\":2}",
@@ -378,7 +418,7 @@ void schema_agreement_check_places(const char *text, const char *prefix)
     size_t count;
     struct json_place *places = json_edit_places(text, &count);
 
-    if (!verdicts.schema || !verdicts.code)
+    if (!verdicts.schema || (!verdicts.code && !strstr(verdicts.error.message, "not rendered yet")))
         fail_msg("schema %d, code %d: %s", verdicts.schema, verdicts.code, verdicts.error.message);
     for (size_t i = 0; i < count; i++)
         if (strncmp(places[i].path, prefix, strlen(prefix)) == 0) check_place(text, &places[i]);

@@ -8,7 +8,8 @@
 #include <stddef.h>
 
 // Rules that join several keys, or count what JSON Schema does not: the schema accepts what they refuse. `example` is
-// an edit of job_text_full that breaks the rule, `message` a part of the resulting message.
+// an edit of job_text_full that breaks the rule (path NULL: the rule is for a time), `message` a part of the resulting
+// message.
 struct cross_rule {
     const char *name, *message;
     struct {

@@ -222,18 +222,20 @@ static bool check_max_length(const struct place *place, const struct json_node *
            character_count(text_of(place->document)) <= number_of(rule);
 }
 
+enum { PATTERN_LIMIT = 16 };
+
 // Compiling costs a thousand times more than matching, and there are few patterns.
 static const regex_t *compiled_pattern(const char *text)
 {
     static struct {
         char text[256];
         regex_t pattern;
-    } known[8];
+    } known[PATTERN_LIMIT];
     size_t i = 0;
 
-    while (i < 8 && known[i].text[0] && strcmp(known[i].text, text) != 0)
+    while (i < PATTERN_LIMIT && known[i].text[0] && strcmp(known[i].text, text) != 0)
         i++;
-    if (i == 8 || strlen(text) >= sizeof known[i].text) give_up("no room for pattern", text);
+    if (i == PATTERN_LIMIT || strlen(text) >= sizeof known[i].text) give_up("no room for pattern", text);
     if (!known[i].text[0] && regcomp(&known[i].pattern, text, REG_EXTENDED | REG_NOSUB) != 0)
         give_up("wrong pattern", text);
     strcpy(known[i].text, text);

@@ -5,6 +5,9 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "core/job/quality_json.h"
+#include "core/json/json_read.h"
+#include "core/scene/scene_json.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -300,6 +303,74 @@ static void whose_interior_it_is_counts(void **state)
     free(list);
 }
 
+// The hash of what is read, whether or not it is rendered.
+static struct hash hash_of_parts(const char *text)
+{
+    const struct scene_times times = {{0.0, 1.0}, 0.04};
+    struct job job = {.width_px = 64, .height_px = 48, .fps_numerator = 25, .fps_denominator = 1};
+    struct cJSON *root = NULL;
+    struct json_node document;
+    struct error error = {0};
+    struct hash hash;
+
+    assert_true(json_parse(&root, text, strlen(text), NULL));
+    document = json_node_root(root);
+    if (!scene_from_json(&job.scene, &document, &times, &error) || !quality_from_json(&job.quality, &document, &error))
+        fail_msg("%s", error.message);
+    job_hash_picture(&job, hash.text);
+    scene_finish(&job.scene);
+    json_delete(root);
+    return hash;
+}
+
+static void orders_lights_and_random_paths_count(void **state)
+{
+    static const char *const edits[][2] = {
+        {"priority", "1"}, // no change
+        {"scene.scattering.orders", "9"},
+        {"scene.scattering.orders", "\"all\""},
+        {"scene.scattering", NULL},
+        {"quality.paths", "65"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":17,\"paths\":64}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":63}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1}"},
+        {"lights[0].inner.start", "11"},
+        {"lights[0].outer.keys[1][1]", "41"},
+        {"lights[0].direction", "[0,-1,0]"},
+        {"lights[1].radius.rate", "0.25"},
+        {"lights[2].file", "\"/data/dusk.exr\""},
+        {"lights[2].scale", "[1,0.5,0.125]"},
+        {"lights[2].rotate.axis", "[0,1,0]"},
+        {"lights[2].rotate.angle.rate", "6"},
+        {"lights[2].visible", "false"},
+        {"lights[2]", "{\"kind\":\"dome\",\"radiance\":1}"},
+        {"lights[2]", "{\"kind\":\"dome\",\"gradient\":{\"along\":1,\"against\":0}}"},
+        {"lights[2]", "{\"kind\":\"dome\",\"gradient\":{\"along\":1,\"against\":2}}"},
+        {"lights[2]", "{\"kind\":\"dome\",\"gradient\":{\"along\":1,\"against\":0,\"axis\":[1,0,0]}}"},
+    };
+    enum { COUNT = sizeof edits / sizeof edits[0] };
+    struct hash hashes[COUNT];
+
+    for (size_t i = 0; i < COUNT; i++) {
+        char *edited = json_edit_set(job_text_paths, edits[i][0], edits[i][1]);
+
+        hashes[i] = hash_of_parts(edited);
+        free(edited);
+    }
+    for (size_t i = 0; i < COUNT; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(hashes[i].text, hashes[k].text) == 0) fail_msg("edits %zu and %zu hash alike", i, k);
+}
+
+static void one_order_that_is_stated_does_not_count(void **state)
+{
+    char *text = json_edit_set(job_text_full, "scene.scattering", "{\"orders\":1}");
+
+    assert_string_equal(hash_of(text).text, hash_of(job_text_full).text);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -313,6 +384,8 @@ int main(void)
         cmocka_unit_test(jobs_without_objects_keep_their_hashes),
         cmocka_unit_test(what_objects_are_counts),
         cmocka_unit_test(whose_interior_it_is_counts),
+        cmocka_unit_test(orders_lights_and_random_paths_count),
+        cmocka_unit_test(one_order_that_is_stated_does_not_count),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/quality_json.h"
 
+#include "core/base/error.h"
+#include "core/json/json_read.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -132,6 +134,71 @@ static void cached_is_read(void **state)
     free(text);
 }
 
+// What is read, whether or not it is rendered.
+static struct job_quality read_quality(const char *quality)
+{
+    char *text = json_edit_set(job_text_paths, "quality", quality);
+    struct error error = {0};
+    struct cJSON *root = NULL;
+    struct json_node document;
+    struct job_quality read;
+
+    assert_true(json_parse(&root, text, strlen(text), NULL));
+    document = json_node_root(root);
+    if (!quality_from_json(&read, &document, &error)) fail_msg("%s", error.message);
+    json_delete(root);
+    free(text);
+    return read;
+}
+
+static void random_paths_are_read(void **state)
+{
+    struct job_quality quality = read_quality("{\"method\":\"paths\",\"paths\":1048576,\"samples\":3}");
+
+    assert_int_equal(quality.method, JOB_METHOD_PATHS);
+    assert_int_equal(quality.paths, JOB_PATH_LIMIT);
+    assert_int_equal(quality.samples, 3);
+    assert_int_equal(quality.scatter_grid, 0);
+    assert_true(job_quality_states_method(&quality) && !job_method_takes_steps(quality.method));
+}
+
+static void scatter_grids_are_read(void **state)
+{
+    struct job_quality quality =
+        read_quality("{\"method\":\"midpoint\",\"step\":1,\"light_step\":1,\"scatter_grid\":256,\"paths\":8}");
+
+    assert_true(quality.scatter_grid == 256 && quality.paths == 8);
+    quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4}");
+    assert_true(quality.scatter_grid == 4 && quality.paths == JOB_PATH_DEFAULT);
+    quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16}");
+    assert_true(quality.scatter_grid == 0 && quality.paths == 0);
+}
+
+static void wrong_random_paths_are_refused_by_place(void **state)
+{
+    static const char march[] = "{\"method\":\"midpoint\",\"step\":1,\"light_step\":1,\"scatter_grid\":16}";
+    char *text = json_edit_set(job_text_paths, "quality", march);
+
+    job_expect_edit_refused(job_text_paths, "quality.paths", "0",
+                            "quality.paths: expected an integer from 1 to 1048576, got 0");
+    job_expect_edit_refused(job_text_paths, "quality.paths", "1048577",
+                            "quality.paths: expected an integer from 1 to 1048576, got 1048577");
+    job_expect_edit_refused(job_text_paths, "quality.paths", NULL,
+                            "quality.paths: expected an integer from 1 to 1048576, got nothing");
+    job_expect_edit_refused(job_text_paths, "quality.step", "1",
+                            "quality: unknown key \"step\" beside method \"paths\"; known: method, paths, samples, "
+                            "pixels, max_cut");
+    job_expect_edit_refused(text, "quality.scatter_grid", "3",
+                            "quality.scatter_grid: expected an integer from 4 to 256, got 3");
+    job_expect_edit_refused(text, "quality.scatter_grid", "257",
+                            "quality.scatter_grid: expected an integer from 4 to 256, got 257");
+    job_expect_edit_refused(text, "quality.paths", "0", "quality.paths: expected an integer from 1 to 1048576, got 0");
+    job_expect_edit_refused(job_text_noise, "quality.paths", "4", "quality.paths: only beside scatter_grid");
+    job_expect_edit_refused(job_text_noise, "quality", "{\"paths\":4}",
+                            "quality.paths: only beside a method; without one, the planner chooses it");
+    free(text);
+}
+
 static void assert_tolerance(const char *quality, double tolerance, int samples)
 {
     char *text = json_edit_set(job_text_noise, "quality", quality);
@@ -256,6 +323,9 @@ int main(void)
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
         cmocka_unit_test(tracking_is_read),
         cmocka_unit_test(cached_is_read),
+        cmocka_unit_test(random_paths_are_read),
+        cmocka_unit_test(scatter_grids_are_read),
+        cmocka_unit_test(wrong_random_paths_are_refused_by_place),
         cmocka_unit_test(a_draft_is_one_word),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
