@@ -71,16 +71,21 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that they turn together.
         for (int flights = 0; flights < WALK_FLIGHTS && walk.at < end; ++flights) {
-            vec3 point = walk.origin + walk.at * walk.direction;
-            float edge = media_next_edge(spans, walk.at, end);
-            float rate = media_rate(spans, point, walk.direction, walk.at, least, edge);
-            float flight = rate > 0.0 ? -log(1.0 - walk_random()) / rate : FAR_AWAY;
-            if (walk.at + flight >= edge) {
+            float rate = 0.0;
+            float depth = -log(1.0 - walk_random()); // of the flight, among the majorant's particles
+            for (int cells = 0; cells < WALK_CELLS && walk.at < end; ++cells) {
+                float edge = media_next_edge(spans, walk.at, end);
+                vec3 point = walk.origin + walk.at * walk.direction;
+                rate = media_rate(spans, point, walk.direction, walk.at, least, edge);
+                float within = rate * (edge - walk.at);
+                if (depth < within) break;
+                depth -= within;
                 walk.at = edge;
-                continue;
+                rate = 0.0;
             }
-            walk.at += flight;
-            point = walk.origin + walk.at * walk.direction;
+            if (rate <= 0.0) continue; // of a flight that goes on, nothing is known but that
+            walk.at += depth / rate;
+            vec3 point = walk.origin + walk.at * walk.direction;
             field = media_field(spans, point, walk.direction, walk.at);
             if (field.distance < 0.0) {
                 float was = spectrum_mean(walk.weight);

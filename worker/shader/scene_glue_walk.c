@@ -167,33 +167,37 @@ static void write_scatter(FILE *out, const struct scene_model *model)
 }
 
 enum {
-    FLIGHTS = 16,            // in a turn
+    FLIGHTS = 4,             // in a turn
+    CELLS = 8,               // of the majorant, in a flight
     ITERATION_LIMIT = 60000, // a little below what software GL runs
     CODE_LOOPS = 40          // in a look at a user's code, which may have any number
 };
 
-// Returns how many iterations of its own loops a look at the media takes, and one for a majorant.
+// Returns how many iterations of loops a flight takes, with those of a look at the media and of looks for majorants.
 static int count_loops(const struct scene_model *model)
 {
-    int loops = 0;
+    int look = 1, cell = 1;
 
     for (size_t i = 0; i < model->features.medium_count; ++i) {
         const struct scene_density *density = &model->job->scene.media[i].density;
 
         if (!model->features.media[i].is_seen) continue;
-        if (density->kind == SCENE_DENSITY_NOISE) loops += 2 * density->noise.octaves;
-        if (density->kind == SCENE_DENSITY_FOLD_FRACTAL) loops += 2 * density->fold_fractal.iterations;
-        if (density->kind == SCENE_DENSITY_GLSL) loops += CODE_LOOPS;
+        if (density->kind == SCENE_DENSITY_NOISE) look += density->noise.octaves;
+        if (density->kind == SCENE_DENSITY_GLSL) look += CODE_LOOPS;
+        if (density->kind != SCENE_DENSITY_FOLD_FRACTAL) continue;
+        look += density->fold_fractal.iterations;
+        cell += density->fold_fractal.iterations;
     }
-    return loops;
+    return look + CELLS * cell;
 }
 
 // A flight to a light may go on for three times as many turns.
 static void write_limits(FILE *out, const struct scene_model *model)
 {
-    int turns = ITERATION_LIMIT / 3 / (1 + FLIGHTS * (1 + count_loops(model)));
+    int turns = ITERATION_LIMIT / 3 / (1 + FLIGHTS * count_loops(model));
 
-    fprintf(out, "const int WALK_FLIGHTS = %d;\nconst int WALK_TURNS = %d;\n", FLIGHTS, turns > 1 ? turns : 1);
+    fprintf(out, "const int WALK_FLIGHTS = %d;\nconst int WALK_CELLS = %d;\nconst int WALK_TURNS = %d;\n", FLIGHTS,
+            CELLS, turns > 1 ? turns : 1);
 }
 
 void scene_glue_write_walk(FILE *out, const struct scene_model *model)

@@ -12,8 +12,9 @@ struct scene_model;
 //   walk_light(point, incoming, field, weight, light)  samples the lights: what of the path's `weight` one of them
 //   adds, and where it is; is the transmittance of the media known, that is in it, and the light is at no distance
 //   walk_scatter(field, incoming, weight, outgoing)  draws a direction; returns the weight behind
-// Before the module, WALK_FLIGHTS and WALK_TURNS: how many flights a turn of its loop takes at most, and how many turns
-// it takes before it is to be continued, so that software GL cuts no loop.
+// and how many flights a turn of its loop takes at most, how many cells of the majorant a flight goes through, and how
+// many turns there are before it is to be continued, so that software GL cuts no loop:
+//   WALK_FLIGHTS, WALK_CELLS, WALK_TURNS
 void scene_glue_write_walk(FILE *out, const struct scene_model *model);
 // Writes `walk_start(path)` for camera rays, and the variables that it reads.
 void scene_glue_write_walk_start(FILE *out);
