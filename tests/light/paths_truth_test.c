@@ -58,6 +58,16 @@ static void assert_first_order(const char *media, const char *lights)
     assert_fair(&scene, truth, 256);
 }
 
+static void assert_orders(const char *media, const char *lights, const char *orders)
+{
+    static double truth[BIAS_CHECK_VALUES], noise[BIAS_CHECK_VALUES];
+    const struct bias_check_scene scene = {
+        .media = media, .lights = lights, .quality = PATHS("16"), .orders = orders, .noise = noise};
+
+    bias_check_find_paths(&scene, 2048, truth, noise);
+    assert_fair(&scene, truth, 256);
+}
+
 static void even_media_are_right_on_the_average(void **state)
 {
     (void)state;
@@ -89,6 +99,17 @@ static void several_media_are_right_on_the_average(void **state)
     assert_first_order(EVEN ", " FRACTAL ", " GLOW, SUN LAMP);
 }
 
+static void all_orders_are_those_of_the_reference(void **state)
+{
+    (void)state;
+    assert_orders(EVEN, SUN, "2");
+    assert_orders(EVEN, SUN LAMP, "\"all\"");
+    assert_orders(SHARP, SUN, "\"all\"");
+    assert_orders(RAYLEIGH, LAMP, "\"all\"");
+    assert_orders(NOISE, SUN, "\"all\"");
+    assert_orders(EVEN ", " FRACTAL ", " GLOW, SUN LAMP, "3");
+}
+
 static void grids_are_right_on_the_average(void **state)
 {
     enum { X = 20, Y = 18, Z = 19 };
@@ -108,6 +129,7 @@ static void grids_are_right_on_the_average(void **state)
              " \"center\": [0, 0, 0], \"scale\": 0.02 } }",
              path);
     assert_first_order(media, SUN);
+    assert_orders(media, SUN, "\"all\"");
 }
 
 #define ENDLESS "\"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 60"
@@ -154,6 +176,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(several_lobes_are_right_on_the_average),
         cmocka_unit_test(noise_is_right_on_the_average),
         cmocka_unit_test(several_media_are_right_on_the_average),
+        cmocka_unit_test(all_orders_are_those_of_the_reference),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(glowing_media_follow_the_geometric_series),
     };

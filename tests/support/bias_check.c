@@ -4,9 +4,11 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "reference/paths.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "worker/audit/truth.h"
+#include "worker/audit/truth_files.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -56,6 +58,46 @@ void bias_check_find_truth(const struct bias_check_scene *scene, double truth[st
     job_finish(&job);
 }
 
+void bias_check_find_paths(const struct bias_check_scene *scene, long count, double truth[static BIAS_CHECK_VALUES],
+                           double errors[static BIAS_CHECK_VALUES])
+{
+    struct error error = {{0}};
+    struct truth_files files = {0};
+    struct paths *paths;
+    struct still still;
+    struct job job;
+
+    bias_check_parse(&job, scene);
+    if (!truth_files_load(&files, &job, 0, &error)) fail_msg("%s", error.message);
+    still_init_with_inputs(&still, &job, 0, &files.inputs);
+    paths = paths_create(&still, job.scene.orders, &error);
+    if (!paths) fail_msg("%s", error.message);
+    for (int i = 0; i < BIAS_CHECK_VALUES / 3; ++i) {
+        struct paths_light light;
+
+        paths_measure_point(paths, i % BIAS_CHECK_WIDTH_PX + 0.5, i / BIAS_CHECK_WIDTH_PX + 0.5, count, (uint64_t)i,
+                            &light);
+        memcpy(truth + 3 * (size_t)i, light.mean, sizeof light.mean);
+        memcpy(errors + 3 * (size_t)i, light.error, sizeof light.error);
+    }
+    paths_destroy(paths);
+    truth_files_finish(&files);
+    job_finish(&job);
+}
+
+// The truth's variance: of its mean over all values, and the mean of those of its values. A pixel's colours share paths.
+static void find_noise(const double *noise, double *of_mean, double *mean)
+{
+    *of_mean = *mean = 0;
+    for (size_t i = 0; noise && i < BIAS_CHECK_VALUES; i += 3) {
+        double sum = noise[i] + noise[i + 1] + noise[i + 2];
+
+        *of_mean += sum * sum / ((double)BIAS_CHECK_VALUES * BIAS_CHECK_VALUES);
+        for (size_t c = 0; c < 3; ++c)
+            *mean += noise[i + c] * noise[i + c] / BIAS_CHECK_VALUES;
+    }
+}
+
 struct sums {
     double first[BIAS_CHECK_VALUES], second[BIAS_CHECK_VALUES]; // of values and of their squares
     double wholes[2];                                           // of the frames' means and of their squares
@@ -103,7 +145,7 @@ struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene
 {
     struct sums sums = {0};
     struct bias_check_errors errors = {0};
-    double mean = 0, bias, square = 0, variance = 0;
+    double mean = 0, bias, square = 0, variance = 0, noise_of_mean, noise;
 
     render(&sums, scene, truth, frames);
     for (size_t i = 0; i < BIAS_CHECK_VALUES; ++i) {
@@ -113,10 +155,11 @@ struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene
         square += off * off / BIAS_CHECK_VALUES;
         variance += (sums.second[i] / frames - off * off) / BIAS_CHECK_VALUES;
     }
+    find_noise(scene->noise, &noise_of_mean, &noise);
     bias = sums.wholes[0] / frames;
     errors.bias = bias / mean;
-    errors.sigmas = bias / sqrt(fmax((sums.wholes[1] / frames - bias * bias) / (frames - 1), 1e-30));
-    errors.chance = square / fmax(variance / (frames - 1), 1e-30);
+    errors.sigmas = bias / sqrt(fmax((sums.wholes[1] / frames - bias * bias) / (frames - 1) + noise_of_mean, 1e-30));
+    errors.chance = square / fmax(variance / (frames - 1) + noise, 1e-30);
     errors.spread = sqrt(fmax(variance, 0)) / mean;
     print_message("%.70s: bias %+.1e, %+.1f standard errors, chance %.2f, spread %.2f\n", scene->quality, errors.bias,
                   errors.sigmas, errors.chance, errors.spread);

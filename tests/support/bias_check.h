@@ -19,6 +19,7 @@ struct bias_check_scene {
     const char *quality;    // members of "quality"
     const char *background; // a value; NULL: 0.3
     const char *orders;     // of scattering, a value; NULL: 1
+    const double *noise;    // standard errors of the truth, which widen what chance explains; NULL: it is exact
 };
 
 // The scene is a ball of radius 1 or less around the origin, seen from 4 m. A refusal fails the test.
@@ -33,6 +34,9 @@ struct bias_check_errors {
 
 // The light that the scene should show, by reference/.
 void bias_check_find_truth(const struct bias_check_scene *scene, double truth[static BIAS_CHECK_VALUES]);
+// The same for any orders of scattering, by `count` random paths a pixel; `errors` has the standard errors of `truth`.
+void bias_check_find_paths(const struct bias_check_scene *scene, long count, double truth[static BIAS_CHECK_VALUES],
+                           double errors[static BIAS_CHECK_VALUES]);
 // Renders `frames` frames, compares them with `truth` and prints the errors.
 struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
                                             const double truth[static BIAS_CHECK_VALUES], int frames);
