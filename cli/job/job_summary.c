@@ -59,6 +59,14 @@ static void print_inputs(const struct scene *scene)
         print_input(scene->lights[i].dome.image.file, "light", i);
 }
 
+static void print_orders(int orders)
+{
+    if (orders == SCENE_ORDERS_ALL)
+        printf("%-10s scatters any number of times\n", "light");
+    else if (orders > 1)
+        printf("%-10s scatters up to %d times\n", "light", orders);
+}
+
 static void print_step(const char *name, double metres, double voxels)
 {
     if (metres > 0.0) printf(", %s %g m", name, metres);
@@ -78,6 +86,11 @@ static void print_quality(const struct job *job)
     if (quality->light_steps > 0)
         printf(", %d light step%s", quality->light_steps, plural((size_t)quality->light_steps));
     if (quality->points > 0) printf(", %d point%s", quality->points, plural((size_t)quality->points));
+    if (quality->scatter_grid > 0)
+        printf(", a grid of %d cells for scattered light, %d path%s a node", quality->scatter_grid, quality->paths,
+               plural((size_t)quality->paths));
+    else if (quality->paths > 0)
+        printf(", %d path%s a pixel", quality->paths, plural((size_t)quality->paths));
     if (quality->samples > 1) printf(", %d samples a pixel", quality->samples);
     if (job->scene.object_count > 0) printf(", rays up to depth %d", quality->max_depth);
     printf("\n");
@@ -94,6 +107,7 @@ void job_summary_print(const struct job *job)
     printf("%-10s %d x %d\n", "resolution", job->width_px, job->height_px);
     print_media(&job->scene);
     print_inputs(&job->scene);
+    print_orders(job->scene.orders);
     print_quality(job);
     printf("%-10s %s, %s%s%s\n", "channels", job->output.pixel == JOB_PIXEL_HALF ? "half RGBA" : "float RGBA",
            job_compression_name(job->output.compression), job->output.has_depth ? ", Z" : "",
@@ -109,6 +123,7 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     int64_t count = frame_range_count(&job->frames);
     char *range = frame_range_format(&job->frames);
     char *first = format_file(job, 0), *last = format_file(job, count - 1);
+    char orders[SCENE_ORDERS_SIZE];
 
     json_write_string_member(writer, "name", job->name);
     json_write_integer_member(writer, "frames", count);
@@ -121,11 +136,17 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     json_write_integer_member(writer, "media", (int64_t)job->scene.medium_count);
     json_write_integer_member(writer, "objects", (int64_t)job->scene.object_count);
     json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
+    if (job->scene.orders > 1) {
+        scene_format_orders(job->scene.orders, orders);
+        json_write_string_member(writer, "orders", orders);
+    }
     json_write_bool_member(writer, "moves", !scene_is_constant(&job->scene));
     json_write_string_member(writer, "method", job_method_name(job->quality.method));
     if (job->quality.tolerance > 0.0) json_write_number_member(writer, "tolerance", job->quality.tolerance);
     if (job->quality.step > 0.0) json_write_number_member(writer, "step", job->quality.step);
     if (job->quality.step_voxels > 0.0) json_write_number_member(writer, "step_voxels", job->quality.step_voxels);
+    if (job->quality.scatter_grid > 0) json_write_integer_member(writer, "scatter_grid", job->quality.scatter_grid);
+    if (job->quality.paths > 0) json_write_integer_member(writer, "paths", job->quality.paths);
     json_write_integer_member(writer, "samples", job->quality.samples);
     json_write_string_member(writer, "first_file", first);
     json_write_string_member(writer, "last_file", last);

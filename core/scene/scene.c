@@ -127,6 +127,14 @@ void scene_finish(struct scene *scene)
     *scene = (struct scene){0};
 }
 
+void scene_format_orders(int orders, char text[static SCENE_ORDERS_SIZE])
+{
+    if (orders == SCENE_ORDERS_ALL)
+        snprintf(text, SCENE_ORDERS_SIZE, "all");
+    else
+        snprintf(text, SCENE_ORDERS_SIZE, "%d", orders);
+}
+
 static void note_motion(const char *name, struct timeline *timeline, void *user)
 {
     bool *is_constant = user;

@@ -17,6 +17,7 @@ enum {
     SCENE_SHAPE_LIMIT = 32, // of all objects
     SCENE_ORDER_LIMIT = 1000,
     SCENE_ORDERS_ALL = 1000 * 1000, // stands for every order of scattering
+    SCENE_ORDERS_SIZE = 16,         // bytes of their text
     SCENE_IMAGE_RADIANCE_LIMIT = 1000 * 1000 * 1000
 };
 
@@ -171,6 +172,8 @@ struct scene {
 };
 
 void scene_finish(struct scene *scene);
+// Writes orders of scattering as a job states them: a number, or "all".
+void scene_format_orders(int orders, char text[static SCENE_ORDERS_SIZE]);
 // True when nothing in the scene changes with time.
 bool scene_is_constant(const struct scene *scene);
 // True when a density may differ between frames even if all its numbers are constant: a file for each frame, or code

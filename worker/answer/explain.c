@@ -6,6 +6,7 @@
 #include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "core/scene/light_rules.h"
+#include "worker/answer/explain_scattering.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
@@ -364,13 +365,35 @@ static void list_light_grids(const struct listing *listing)
         "columns are interpolated in the grids of lights, each filled once a frame");
 }
 
+static void list_scattering(const struct listing *listing)
+{
+    char why[EXPLAIN_SCATTERING_SIZE];
+    bool is_modelled = explain_scattering(listing->job, why);
+
+    say(listing, is_modelled, "multiple scattering", "%s", why);
+}
+
+static void list_walk(const struct listing *listing)
+{
+    const struct scene_features *features = &listing->program->model.features;
+
+    say(listing, true, "random paths", "%d a pixel, by free flights among upper bounds of the densities",
+        listing->job->quality.paths);
+    say(listing, false, "marching", "random paths take no steps");
+    if (features->has_lights)
+        say(listing, features->tracks_to_lights, "tracking to lights", "%s",
+            features->tracks_to_lights ? "transmittances are random estimates" : "columns have a closed form");
+}
+
 static void list_method(const struct listing *listing)
 {
     const struct job_quality *quality = &listing->job->quality;
     const struct scene_features *features = &listing->program->model.features;
     bool has_media = features->has_media;
 
-    if (features->marches)
+    if (features->is_walked)
+        list_walk(listing);
+    else if (features->marches)
         say(listing, true, "marching", "%s, step %g m", job_method_name(quality->method),
             scene_model_quality(&listing->program->model)->step);
     else
@@ -379,7 +402,7 @@ static void list_method(const struct listing *listing)
                       : "no medium is seen");
     if (features->has_light_grids)
         list_light_grids(listing);
-    else if (features->has_lights)
+    else if (features->has_lights && !features->is_walked)
         say(listing, features->marches_to_lights, "marching to lights", "%s",
             features->marches_to_lights ? "density varies with position" : "columns have a closed form");
     if (features->places_points)
@@ -392,7 +415,7 @@ static void list_method(const struct listing *listing)
     if (features->has_roulette)
         say(listing, true, "roulette", "below transmittance %g a ray goes on with probability %g",
             quality->roulette_below, quality->roulette_survive);
-    say(listing, false, "multiple scattering", "light is scattered once at most");
+    list_scattering(listing);
     list_surfaces(listing);
     list_pixels(listing);
     list_samples(listing);

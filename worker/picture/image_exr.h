@@ -46,6 +46,7 @@ struct image_exr_header {
     const char *method; // that rendered the frame
     double step;
     const char *backend, *renderer;
+    int orders; // of scattering, as in struct scene; 0 or 1: not written
     const char *shader_hash;
     double render_seconds;
     struct image_exr_rays rays;

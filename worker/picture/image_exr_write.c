@@ -164,7 +164,7 @@ static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_h
 
 static exr_result_t set_own_attributes(exr_context_t context, const struct image_exr_header *header)
 {
-    char job[32];
+    char job[32], orders[SCENE_ORDERS_SIZE];
     const struct {
         const char *name, *text;
     } strings[] = {
@@ -177,6 +177,7 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
         {"marchd:jobHash", header->job_hash},
         {"marchd:sequenceHash", header->sequence_hash},
         {"marchd:method", header->method},
+        {"marchd:scattering", header->orders > 1 ? orders : NULL},
         {"marchd:backend", header->backend},
         {"marchd:renderer", header->renderer},
         {"marchd:shaderHash", header->shader_hash},
@@ -185,6 +186,7 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
 
     // An int attribute has 32 bits, a job's id 64.
     snprintf(job, sizeof job, "%" PRId64, header->job_id);
+    scene_format_orders(header->orders, orders);
     for (size_t i = 0; i < sizeof strings / sizeof strings[0] && !result; i++)
         if (strings[i].text) result = exr_attr_set_string(context, 0, strings[i].name, strings[i].text);
     if (!result) result = exr_attr_set_int(context, 0, "marchd:frame", header->frame);

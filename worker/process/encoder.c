@@ -40,6 +40,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .attempt = frame->attempt,
         .method = job_method_name(picture->method),
         .step = picture->step,
+        .orders = job->scene.orders,
         .backend = worker->backend,
         .renderer = worker->renderer,
         .shader_hash = picture->shader_hash,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/answer/explain.h"
 
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/job/job_json.h"
@@ -392,6 +393,63 @@ static void objects_that_end_every_ray_need_no_paths(void **state)
     job_finish(&job);
 }
 
+// One noisy ball, lit by a lamp, whose light scatters so often.
+static struct job scattered_job(const char *orders, const char *quality)
+{
+    char *text =
+        xasprintf("{\"version\":1,\"name\":\"x\",\"frames\":\"0\",\"fps\":1,\"resolution\":[8,8],\"camera\":{"
+                  "\"position\":[0,0,4],\"target\":[0,0,0],\"fov\":40},\"lights\":[{\"kind\":\"point\","
+                  "\"intensity\":1,\"position\":[0,3,0]}],\"scene\":{\"scattering\":{\"orders\":%s},\"media\":"
+                  "[{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":\"sphere\",\"radius\":"
+                  "1}},\"sigma_s\":1}]},\"quality\":%s,\"output\":{\"path\":\"x.#.exr\"}}",
+                  orders, quality);
+    struct error error = {{0}};
+    struct job job;
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    free(text);
+    return job;
+}
+
+static void assert_scattering(const char *orders, const char *quality, const char *list, const char *why)
+{
+    struct job job = scattered_job(orders, quality);
+    struct explanation explanation;
+
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, list, "multiple scattering"), why);
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void orders_of_scattering_are_told(void **state)
+{
+    static const char paths[] = "{\"method\":\"paths\",\"paths\":16}";
+    static const char march[] =
+        "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":8,\"paths\":5}";
+
+    assert_scattering("8", paths, "modelled", "light is scattered up to 8 times, along 16 random paths a pixel");
+    assert_scattering("\"all\"", paths, "modelled",
+                      "light is scattered any number of times, by all orders, along 16 random paths a pixel");
+    assert_scattering("2", march, "modelled",
+                      "light is scattered up to 2 times; beyond once by a grid of 8 cells, 5 random paths a node");
+    assert_scattering("1", paths, "not_modelled", "light is scattered once at most");
+}
+
+static void random_paths_do_not_march(void **state)
+{
+    struct job job = scattered_job("8", "{\"method\":\"paths\",\"paths\":16}");
+    struct explanation explanation;
+
+    explain(&explanation, &job);
+    assert_modelled(&explanation, "random paths");
+    assert_modelled(&explanation, "tracking to lights");
+    assert_not_modelled(&explanation, "marching");
+    assert_null(find_why(&explanation, "not_modelled", "marching to lights"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -409,6 +467,8 @@ int main(void)
         cmocka_unit_test(objects_that_end_every_ray_need_no_paths),
         cmocka_unit_test(traced_pixels_are_explained),
         cmocka_unit_test(rough_surfaces_have_every_pixel_traced),
+        cmocka_unit_test(orders_of_scattering_are_told),
+        cmocka_unit_test(random_paths_do_not_march),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 
