@@ -86,6 +86,20 @@ expect 0 "reads      $scratch/tiles.png (texture of object 0)" march submit --dr
 expect 0 "reads      $scratch/a#b/scan.01.nii (interior of object 1)" march submit --dry-run glass.json
 expect 0 "light step 0.1 m, rays up to depth 5" march submit --dry-run glass.json
 expect 0 '"objects":2' march submit --dry-run --json glass.json
+sky='{"kind": "point", "intensity": 9, "position": [0, 3, 0]}'
+ball='{"density": {"kind": "homogeneous", "bounds": {"kind": "sphere", "radius": 1}}, "sigma_s": 2}'
+cat >sky.json <<END
+{"version": 1, "name": "sky", "frames": "1", "fps": 24, "resolution": [8, 8], "output": {"path": "s.#.exr"},
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 40}, "lights": [$sky],
+ "quality": {"method": "paths", "paths": 4}, "scene": {"scattering": {"orders": "all"}, "media": [$ball]}}
+END
+expect 0 "light      scatters any number of times" march submit --dry-run sky.json
+expect 0 "paths, 4 paths a pixel" march submit --dry-run sky.json
+expect 0 '"orders":"all"' march submit --dry-run --json sky.json
+expect 0 '"paths":4' march submit --dry-run --json sky.json
+expect 0 "light      scatters up to 3 times" march submit --dry-run sky.json --set 'scene.scattering={"orders": 3}'
+expect 0 "a grid of 8 cells for scattered light, 256 paths a node" march submit --dry-run sky.json \
+    --set 'quality={"method": "equiangular", "points": 4, "scatter_grid": 8}'
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10 --set "$stated"
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=201
 expect 2 "--priority: expected an integer in [0, 200]" march submit --dry-run "$cloud" --priority 201
