@@ -309,34 +309,6 @@ static void assert_string_attribute(exr_context_t context, const char *name, con
     assert_string_equal(found->string->str, expected);
 }
 
-static void orders_of_scattering_are_told_above_one(void **state)
-{
-    static const int orders[] = {0, 1, 2, 1000, SCENE_ORDERS_ALL};
-    static const char *const texts[] = {NULL, NULL, "2", "1000", "all"};
-    static const char *const names[] = {"marchd:scattering", NULL};
-    struct image image = make_image(5, 4, true, true, 1);
-
-    for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
-        struct image_exr_header header = make_header(JOB_PIXEL_HALF, JOB_COMPRESSION_ZIP);
-        exr_context_t context;
-        char path[64];
-        int fd;
-
-        header.orders = orders[i];
-        fd = write_image(&image, &header, 1);
-        descriptor_path(fd, path);
-        if (texts[i]) {
-            assert_int_equal(exr_start_read(&context, path, NULL), EXR_ERR_SUCCESS);
-            assert_string_attribute(context, names[0], texts[i]);
-            exr_finish(&context);
-        } else {
-            assert_lacks(fd, names);
-        }
-        close(fd);
-    }
-    image_finish(&image);
-}
-
 static void standard_attributes_have_their_types_and_values(void **state)
 {
     struct image image = make_image(5, 4, true, true, 1);
@@ -516,7 +488,6 @@ int main(void)
         cmocka_unit_test(a_scene_without_paths_says_nothing_of_rays),
         cmocka_unit_test(audit_and_plan_are_read_back),
         cmocka_unit_test(a_frame_without_tolerance_says_nothing_of_error),
-        cmocka_unit_test(orders_of_scattering_are_told_above_one),
         cmocka_unit_test(standard_attributes_have_their_types_and_values),
         cmocka_unit_test(another_library_reads_the_header),
         cmocka_unit_test(file_cut_anywhere_is_refused_with_a_reason),
