@@ -47,30 +47,41 @@ bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
     return is_met;
 }
 
+// What a flight is for.
+const int WALK_ON = 0;    // the path goes on, or a ray is followed for its transmittance
+const int WALK_LIGHT = 1; // from a vertex to a light
+const int WALK_NEAR = 2;  // from a vertex to one that is drawn near a lamp
+const int WALK_LAMP = 3;  // from there to the lamp
+
 // Adds `passes` rays' transmittance and the light of `count` paths of at most `orders` scatterings, one after the
 // other, from walk_none(passes) on. walk_start(path) says where each begins; its numbers run from -passes to count - 1.
 // Light that no medium scattered is only that which media emit. Returns false where the work is to be continued, with
 // the same `walk`. A single loop follows all kinds of flight: its look at the media is there once.
 bool walk_on(inout Walk walk, int passes, int count, int orders)
 {
-    bool is_shadow = false;
-    vec3 ahead = vec3(0.0);          // the path's direction behind a vertex, while a light is sampled there
+    int kind = WALK_ON;
+    vec3 vertex = vec3(0.0);         // where the path waits while lights are sampled there
+    vec3 ahead = vec3(0.0);          // its direction behind the vertex
     Spectrum behind = spectrum(0.0); // its weight
+    WalkNear near = WalkNear(vec3(0.0), 0.0, 0.0, 0); // the vertex near a lamp that is next
+    Spectrum nearby = spectrum(0.0);               // the weight of the flight there
     float faint = 0.0;
-    vec2 interval = vec2(0.0, FAR_AWAY);
+    vec2 begin = vec2(0.0, FAR_AWAY); // where media count on the path's first flight
+    vec2 interval = begin;
+    walk_near_find();
     if (walk.path >= -passes) {
-        WalkRay ray = walk_start(walk.path);
-        if (walk.order == 0) interval = ray.interval;
+        begin = walk_start(walk.path).interval;
+        if (walk.order == 0) interval = begin;
         walk_random_resume(walk.random);
     }
     MediaSpans spans = media_spans(walk.origin, walk.direction);
     float end = min(media_interval(spans).y, interval.y);
     float least = walk_least(end - max(media_interval(spans).x, interval.x)); // samples per metre
-    for (int turn = 0; turn < (is_shadow ? WALK_LIMIT : WALK_TURNS) && walk.path < count; ++turn) {
-        bool is_met = false;
+    for (int turn = 0; turn < (kind == WALK_ON ? WALK_TURNS : WALK_LIMIT) && walk.path < count; ++turn) {
+        bool is_met = false; // the path is scattered, or the vertex near a lamp is reached
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that they turn together.
-        for (int flights = 0; flights < WALK_FLIGHTS && walk.at < end; ++flights) {
+        for (int flights = 0; flights < WALK_FLIGHTS && (walk.at < end || kind == WALK_NEAR); ++flights) {
             float rate = 0.0;
             float depth = -log(1.0 - walk_random()); // of the flight, among the majorant's particles
             for (int cells = 0; cells < WALK_CELLS && walk.at < end; ++cells) {
@@ -83,13 +94,15 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 walk.at = edge;
                 rate = 0.0;
             }
-            if (rate <= 0.0) continue; // of a flight that goes on, nothing is known but that
-            walk.at += depth / rate;
+            is_met = kind == WALK_NEAR && walk.at >= end;
+            if (rate <= 0.0 && !is_met) continue; // of a flight that goes on, nothing is known but that
+            if (!is_met) walk.at += depth / rate;
             vec3 point = walk.origin + walk.at * walk.direction;
             field = media_field(spans, point, walk.direction, walk.at);
+            if (is_met) break;
             if (field.distance < 0.0) {
                 float was = spectrum_mean(walk.weight);
-                if (is_shadow || walk.path < 0)
+                if (kind != WALK_ON || walk.path < 0)
                     walk.weight *= max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
                 else
                     is_met = walk_meet(field, point, rate, walk);
@@ -104,45 +117,70 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         if (!is_met && !is_over) continue;
         interval = vec2(0.0, FAR_AWAY);
         if (is_met) {
-            ++walk.order;
             walk.origin += walk.at * walk.direction;
             LightSample light = LightSample(walk.direction, 0.0, spectrum(0.0));
-            Spectrum lit = walk_light(walk.origin, walk.direction, field, walk.weight, light);
-            behind = spectrum(0.0);
-            if (walk.order < orders)
-                behind = walk_thin(walk_scatter(field, walk.direction, walk.weight, ahead), WALK_WEAK);
+            Spectrum lit = spectrum(0.0);
+            if (kind == WALK_NEAR) {
+                lit = walk_lamp(near.lamp, walk.origin, walk.direction, field, walk.weight, light);
+                kind = WALK_LAMP;
+            } else {
+                ++walk.order;
+                vertex = walk.origin;
+                lit = walk_light(vertex, walk.direction, field, walk.weight, light);
+                behind = spectrum(0.0);
+                nearby = spectrum(0.0);
+                if (walk.order < orders) {
+                    nearby = walk_near(vertex, walk.direction, field, walk.weight, near);
+                    behind = walk_thin(walk_scatter(field, walk.direction, walk.weight, ahead), WALK_WEAK);
+                }
+                kind = WALK_LIGHT;
+            }
             walk.direction = light.direction;
             interval.y = light.distance;
             walk.weight = lit;
             faint = WALK_FAINT * spectrum_max(lit);
-            is_shadow = true;
             is_over = spectrum_max(lit) <= 0.0;
         }
         if (is_over) {
-            if (is_shadow) walk.light += walk.weight;
+            if (kind == WALK_LIGHT || kind == WALK_LAMP) walk.light += walk.weight;
             if (walk.path < 0 && walk.path >= -passes) walk.passed += walk.weight;
-            walk.weight = is_shadow ? behind : spectrum(0.0);
-            walk.direction = ahead;
-            interval.y = FAR_AWAY;
-            faint = 0.0;
-            is_shadow = false;
-            if (spectrum_max(walk.weight) <= 0.0) {
+            interval = vec2(0.0, FAR_AWAY);
+            if (kind == WALK_ON || spectrum_max(behind + nearby) <= 0.0) {
                 ++walk.path;
                 walk.order = 0;
                 WalkRay ray = walk_start(walk.path);
-                walk.origin = ray.origin;
-                walk.direction = ray.direction;
-                walk.weight = spectrum(1.0);
-                interval = ray.interval;
+                vertex = ray.origin;
+                ahead = ray.direction;
+                begin = ray.interval;
+                behind = spectrum(1.0);
+                nearby = spectrum(0.0);
+                if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(ray, near);
             }
+            bool is_near = spectrum_max(nearby) > 0.0;
+            kind = is_near ? WALK_NEAR : WALK_ON;
+            walk.origin = vertex;
+            walk.direction = is_near ? near.direction : ahead;
+            walk.weight = is_near ? nearby : behind;
+            if (walk.order == 0) interval = begin;
+            if (is_near) interval.y = near.distance;
+            faint = is_near ? WALK_FAINT * spectrum_max(nearby) : 0.0;
+            nearby = spectrum(0.0);
         }
         spans = media_spans(walk.origin, walk.direction);
         vec2 stretch = media_interval(spans);
         walk.at = max(stretch.x, interval.x);
         end = min(stretch.y, interval.y);
         least = walk_least(end - walk.at);
+        if (kind == WALK_NEAR) {
+            if (interval.y < stretch.x || interval.y >= stretch.y) walk.weight = spectrum(0.0);
+            end = interval.y;
+            if (!WALK_TRACKS) {
+                walk.weight *= walk_passed(spans, end);
+                walk.at = end;
+            }
+        }
     }
     walk.random = walk_random_state;
-    if (is_shadow) march_was_cut = true;
+    if (kind != WALK_ON) march_was_cut = true;
     return walk.path >= count;
 }

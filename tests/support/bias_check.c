@@ -85,7 +85,8 @@ void bias_check_find_paths(const struct bias_check_scene *scene, long count, dou
     job_finish(&job);
 }
 
-// The truth's variance: of its mean over all values, and the mean of those of its values. A pixel's colours share paths.
+// The truth's variance: of its mean over all values, and the mean of those of its values. A pixel's colours share its
+// paths.
 static void find_noise(const double *noise, double *of_mean, double *mean)
 {
     *of_mean = *mean = 0;

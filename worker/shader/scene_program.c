@@ -173,6 +173,7 @@ static void add_walk(struct assembly *assembly)
     add_module(assembly, "path/iterations.glsl");
     add_module(assembly, "scatter/random.glsl");
     add_module(assembly, "scatter/ray.glsl");
+    add_module(assembly, "scatter/near.glsl");
     scene_glue_write_walk(generate(assembly), model);
     scene_glue_write_walk_start(assembly->text.out);
     add_module(assembly, "scatter/walk.glsl");
