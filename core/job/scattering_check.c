@@ -126,17 +126,27 @@ static bool is_white(const struct check *check, const struct scene_medium *mediu
     return false;
 }
 
-// A path that is never absorbed ends when it leaves the media.
+static bool is_endless_within(const struct scene_medium *medium, enum scene_bounds_kind bounds)
+{
+    const struct scene_density *density = &medium->density;
+
+    return density->bounds.kind == bounds && medium->owner == 0 && density->kind != SCENE_DENSITY_GRID &&
+           !density_rules_of(density)->find_diameter;
+}
+
+// A path that is never absorbed ends when it leaves the media. A grid of scattered light is a box around them.
 static bool check_end(const struct check *check, size_t index)
 {
     const struct scene *scene = &check->job->scene;
     const struct scene_medium *medium = &scene->media[index];
-    const struct scene_density *density = &medium->density;
-    bool is_endless = density->bounds.kind == SCENE_BOUNDS_NONE && medium->owner == 0 &&
-                      density->kind != SCENE_DENSITY_GRID && !density_rules_of(density)->find_diameter;
+    bool is_endless = is_endless_within(medium, SCENE_BOUNDS_NONE);
     struct scene_nodes nodes;
     struct json_node node = json_node_child(scene_nodes_find_medium(&nodes, check->document, scene, index), "density");
 
+    if (check->job->quality.scatter_grid > 0 && is_above_zero(check, &medium->sigma_s) &&
+        (is_endless || is_endless_within(medium, SCENE_BOUNDS_SLAB)))
+        return json_fail(&node, check->error,
+                         "expected bounds of a sphere or a box: a scatter_grid is a box around what scatters");
     return scene->orders <= 1 || !is_endless || !is_white(check, medium) ||
            json_fail(&node, check->error,
                      "expected bounds, or a sigma_a above 0: where nothing absorbs light and nothing ends, it scatters "
@@ -182,6 +192,9 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
                          "not rendered yet above order 1: state a method, paths or a march with a scatter_grid");
     if (is_walked && job->scene.object_count > 0)
         return json_fail(&method, error, "not rendered yet: random paths in scenes with objects");
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
+            return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
     for (size_t i = 0; i < job->scene.light_count; i++)
         if (light_rules_of(job->scene.lights[i].kind)->has_size)
             return fail_light(&check, i, "kind", "not rendered yet: only point, sun and spot are");

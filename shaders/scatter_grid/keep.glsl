@@ -1,6 +1,7 @@
 // Prepares a node's mean so that linear interpolation between nodes is right on the average, as light_grid/keep.glsl
 // does: minus a twelfth of its second differences. Light falls off to all sides, so that chords lie below it.
-// `sets` of values lie one behind the other along z. A node whose walks were cut stays marked.
+// `sets` of values lie one behind the other along z. Where walks were cut, alpha is so far below 0 that no neighbour's
+// hides it.
 vec4 scatter_grid_keep(sampler3D means, ivec3 at, int sets)
 {
     ivec3 size = textureSize(means, 0);
@@ -14,5 +15,5 @@ vec4 scatter_grid_keep(sampler3D means, ivec3 at, int sets)
         next[axis] = place[axis] > 0 && place[axis] < last[axis] ? 1 : 0;
         sum += texelFetch(means, at - next, 0) + texelFetch(means, at + next, 0) - 2.0 * middle;
     }
-    return middle.a < 0.0 ? middle : vec4(max(middle.rgb - sum.rgb / 12.0, 0.0), middle.a);
+    return middle.a < 0.0 ? vec4(0.0, 0.0, 0.0, -1e6) : vec4(max(middle.rgb - sum.rgb / 12.0, 0.0), 0.0);
 }

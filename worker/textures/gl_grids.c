@@ -244,7 +244,7 @@ static bool bind_medium(struct gl_grids *grids, const struct scene_input *input,
     grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_VALUES), grids->grids[index].voxels);
     if (quality->method == JOB_METHOD_PREINTEGRATED && input->source->point_count > 0)
         bind_table(grids, input->source, medium);
-    if (job_quality_has_majorants(quality) &&
+    if ((job_quality_has_majorants(quality) || quality->scatter_grid > 0) &&
         !bind_brick_numbers(grids, input, &grids->grids[index], true, medium, error))
         return false;
     return bind_brick_numbers(grids, input, &grids->grids[index], false, medium, error);
