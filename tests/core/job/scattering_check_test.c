@@ -221,14 +221,28 @@ static void light_that_never_ends_is_refused(void **state)
 
 static void marches_go_to_no_light_of_many_directions(void **state)
 {
-    static const char slab[] = MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
-                                     "\"slab\",\"thickness\":1}},\"sigma_s\":1}");
+    static const char ball[] = MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                                     "\"sphere\",\"radius\":1}},\"sigma_s\":1}");
     static const char quality[] = "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8}";
-    char *scene = xasprintf("%s%s", TWO, slab);
+    char *scene = xasprintf("%s%s", TWO, ball);
 
     assert_taken(DOME, scene, quality);
     assert_refused(DOME ",{\"kind\":\"sun\",\"intensity\":1,\"direction\":[1,0,0]}", scene, quality,
                    "quality.light_step: expected a number of metres, as light marches through media, got nothing");
+    free(scene);
+}
+
+// The grid is a box around what scatters, which has to end.
+static void a_grid_is_around_media_that_end(void **state)
+{
+    static const char slab[] = MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                                     "\"slab\",\"thickness\":1}},\"sigma_s\":1,\"sigma_a\":1}");
+    char *scene = xasprintf("%s%s", TWO, slab);
+
+    assert_refused(DOME, scene, "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8}",
+                   "scene.media[0].density: expected bounds of a sphere or a box: a scatter_grid is a box around what "
+                   "scatters");
+    assert_taken(DOME, scene, "{\"method\":\"paths\",\"paths\":8}");
     free(scene);
 }
 
@@ -274,6 +288,7 @@ int main(void)
         cmocka_unit_test(random_paths_need_a_majorant),
         cmocka_unit_test(light_that_never_ends_is_refused),
         cmocka_unit_test(marches_go_to_no_light_of_many_directions),
+        cmocka_unit_test(a_grid_is_around_media_that_end),
         cmocka_unit_test(a_spots_cones_are_one_in_the_other),
         cmocka_unit_test(a_domes_axis_has_a_length_at_all_times),
     };
