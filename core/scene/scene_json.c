@@ -9,6 +9,7 @@
 #include "core/scene/scene_reader.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double DISTANCE_MAX = 1e9; // m
 
@@ -63,18 +64,19 @@ static bool read_media(const struct scene_reader *scene_reader, struct scene *sc
 
 static bool read_scattering(const struct scene_reader *scene_reader, struct scene *scene)
 {
-    static const char *const keys[] = {"orders", NULL}, *const words[] = {"all", NULL};
+    static const char *const keys[] = {"orders", NULL};
     struct json_node object = json_node_child(scene_reader->object, "scattering");
     struct json_node orders = json_node_child(&object, "orders");
     int64_t count;
-    int word;
+    const char *word;
 
     if (json_node_is_absent(&object)) return true;
     if (!json_check_object(&object, scene_reader->error) || !json_check_keys(&object, keys, scene_reader->error))
         return false;
-    if (json_node_type(&orders) == JSON_STRING) {
+    if (json_read_string(&orders, &word, NULL)) {
         scene->orders = SCENE_ORDERS_ALL;
-        return json_read_enum(&orders, words, &word, scene_reader->error);
+        return strcmp(word, "all") == 0 ||
+               json_fail_expected(&orders, scene_reader->error, "an integer from 1 to 1000 or \"all\"");
     }
     if (!json_read_integer(&orders, 1, SCENE_ORDER_LIMIT, &count, scene_reader->error)) return false;
     scene->orders = (int)count;

@@ -2,6 +2,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "core/scene/light_rules.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -49,6 +50,29 @@ static void check_objects(const struct job *job)
     }
 }
 
+// A scene has one dome at most, and light of many directions or of several orders has random paths.
+static void check_lights(const struct job *job)
+{
+    const struct scene *scene = &job->scene;
+    bool is_walked = scene->orders > 1 || job->quality.method == JOB_METHOD_PATHS;
+    size_t dome_count = 0;
+
+    if (scene->orders < 1 || (scene->orders > SCENE_ORDER_LIMIT && scene->orders != SCENE_ORDERS_ALL)) abort();
+    for (size_t i = 0; i < scene->light_count; i++) {
+        const struct scene_light *light = &scene->lights[i];
+        bool is_dome = light->kind == SCENE_LIGHT_DOME;
+
+        dome_count += is_dome;
+        if (light_rules_of(light->kind)->has_size && !is_walked) abort();
+        if ((is_dome && light->dome.kind == SCENE_DOME_FILE) != (light->dome.image.file != NULL)) abort();
+        if (is_dome && light->dome.is_visible && scene->has_background) abort();
+    }
+    if (dome_count > 1) abort();
+    if (job->quality.scatter_grid > 0 && (scene->orders == 1 || job->quality.paths == 0)) abort();
+    for (size_t i = 0; i < scene->object_count && is_walked; i++)
+        if (scene->objects[i].material.kind != SCENE_MATERIAL_DIFFUSE) abort();
+}
+
 // A job that is read can be evaluated at all its times; one that is refused has a reason and leaves nothing behind.
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
@@ -66,6 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (!(value[0] - value[0] == 0.0)) abort();
     check_media(&job);
     check_objects(&job);
+    check_lights(&job);
     job_finish(&job);
     return 0;
 }

@@ -163,7 +163,8 @@ static void wrong_orders_are_refused_by_place(void **state)
     assert_refused(place, "1.5", message);
     snprintf(message, sizeof message, "%s: %snothing", place, range);
     assert_refused(place, NULL, message);
-    assert_refused(place, "\"every\"", "scene.scattering.orders: expected one of \"all\", got \"every\"");
+    assert_refused(place, "\"every\"",
+                   "scene.scattering.orders: expected an integer from 1 to 1000 or \"all\", got \"every\"");
     assert_refused("scene.scattering", "8", "scene.scattering: expected an object, got 8");
     assert_refused("scene.scattering.order", "8", "scene.scattering: unknown key \"order\", did you mean \"orders\"?");
 }
