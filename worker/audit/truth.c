@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "core/scene/light_rules.h"
 #include "reference/reference.h"
 #include "reference/trace.h"
 #include "worker/audit/truth_files.h"
@@ -31,8 +32,17 @@ struct truth {
     size_t still_count;   // 1, or as many as samples
 };
 
+// Light of one scattering, from lamps without size.
+static bool knows_light(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (light_rules_of(scene->lights[i].kind)->has_size) return false;
+    return scene->orders == 1;
+}
+
 bool truth_has_twin(const struct job *job)
 {
+    if (!knows_light(&job->scene)) return false;
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->scene.media[i].density.kind == SCENE_DENSITY_GLSL) return false;
     return true;
@@ -84,8 +94,9 @@ struct truth *truth_open(const struct truth_params *params, struct error *error)
 {
     struct truth *truth;
 
-    if (!params->functions && !truth_has_twin(params->job)) {
-        error_set(error, "a density in GLSL has no twin in the reference");
+    if (!knows_light(&params->job->scene) || (!params->functions && !truth_has_twin(params->job))) {
+        error_set(error, knows_light(&params->job->scene) ? "a density in GLSL has no twin in the reference"
+                                                          : "the reference measures light of one scattering alone");
         return NULL;
     }
     truth = xcalloc(1, sizeof *truth);

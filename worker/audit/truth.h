@@ -14,7 +14,8 @@ struct error;
 struct job;
 struct truth;
 
-// True when reference/ has a twin of every density: false for the user's GLSL, which only the shader can evaluate.
+// True when reference/ has a twin of every density and knows the light exactly: false for the user's GLSL, which only
+// the shader can evaluate, for lights with size and for more than one order of scattering.
 bool truth_has_twin(const struct job *job);
 
 struct truth_params {

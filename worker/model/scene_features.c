@@ -98,11 +98,11 @@ static void add_object(struct scene_features *features, const struct scene_objec
 static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters)
 {
     for (size_t i = 0; i < scene->light_count; ++i) {
-        bool is_seen = (scatters || features->surfaces_are_lit) && !timeline_value_is_zero(&scene->lights[i].intensity);
+        bool is_seen = (scatters || features->surfaces_are_lit) && !light_kind_is_dark(&scene->lights[i]);
 
         features->light_is_seen[i] = is_seen;
         features->has_lights |= is_seen;
-        features->is_rgb |= is_seen && !timeline_value_is_grey(&scene->lights[i].intensity);
+        features->is_rgb |= is_seen && !light_kind_is_grey(&scene->lights[i]);
     }
     features->media_are_lit = scatters && features->has_lights;
     features->surfaces_are_lit &= features->has_lights;

@@ -202,7 +202,7 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     frame_uniforms_add(uniforms,
                        timeline_value(&light->intensity, spectrum, value_range_not_negative, "lights.intensity"),
                        "light_%zu_intensity", index);
-    light_kind_add_values(uniforms, light, index);
+    light_kind_add_values(uniforms, &(struct light_site){light, index, spectrum});
 }
 
 // A number of a setting is a uniform, so that all settings of a method share one program.

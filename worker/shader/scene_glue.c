@@ -56,7 +56,7 @@ void scene_glue_write_lights(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (model->features.media[i].scatters) write_phase(out, &scene->media[i], &model->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (model->features.light_is_seen[i]) scene_glue_light_write_function(out, &scene->lights[i], i);
+        if (model->features.light_is_seen[i]) scene_glue_light_write_functions(out, &scene->lights[i], i);
 }
 
 static void write_interval(FILE *out, const struct scene_camera *camera)

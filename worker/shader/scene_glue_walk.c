@@ -184,6 +184,45 @@ static void write_lamp(FILE *out, const struct scene_model *model)
     write_closed(out, model);
 }
 
+// Writes the sample of a dome. Directions are drawn by the phase functions, every other one of an image's by its light:
+// the density is that of both together (Veach and Guibas, SIGGRAPH 1995).
+static void write_dome_sample(FILE *out, const struct scene_light *light, size_t i)
+{
+    bool has_image = light_kind_of(light)->has_image;
+
+    fputs("        vec3 toward = incoming;\n        walk_scatter(field, incoming, weight, toward);\n", out);
+    if (has_image) fprintf(out, "        if (walk_random() < 0.5) toward = light_%zu_draw();\n", i);
+    fputs(
+        "        Spectrum share = weight * walk_scattered(field, incoming, toward);\n"
+        "        float density = spectrum_mean(share) / max(spectrum_mean(weight * walk_scattering(field)), 1e-30);\n",
+        out);
+    if (has_image) fprintf(out, "        density = 0.5 * (density + light_%zu_density(toward));\n", i);
+    fprintf(out,
+            "        LightSample candidate = LightSample(toward, FAR_AWAY, light_%zu_radiance(toward) / max(density, "
+            "1e-30));\n        share *= candidate.irradiance;\n",
+            i);
+}
+
+static void write_light_sample(FILE *out, const struct scene_model *model, size_t i)
+{
+    const struct scene_light *light = &model->job->scene.lights[i];
+
+    if (light_kind_of(light)->is_dome) {
+        write_dome_sample(out, light, i);
+        return;
+    }
+    fprintf(out, "        LightSample candidate = light_%zu(point);\n", i);
+    if (has_near(model, i))
+        fprintf(out,
+                "        if (walk_reach_%zu > 0.0)\n            candidate.irradiance *= 1.0 - "
+                "walk_near_part(candidate.distance * candidate.distance, walk_reach_%zu);\n",
+                i, i);
+    fputs("        // Both directions of travel are reversed here, which leaves the angle between them as it is.\n"
+          "        Spectrum share = weight * candidate.irradiance * walk_scattered(field, incoming, "
+          "candidate.direction);\n",
+          out);
+}
+
 // One of several lights is drawn by what each would add without shadows: Chao's reservoir of one.
 static void write_light(FILE *out, const struct scene_model *model)
 {
@@ -196,16 +235,8 @@ static void write_light(FILE *out, const struct scene_model *model)
     if (has_several && is_lit) fputs("    float total = 0.0;\n", out);
     for (size_t i = 0; is_lit && i < model->job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
-        fprintf(out, "    {\n        LightSample candidate = light_%zu(point);\n", i);
-        if (has_near(model, i))
-            fprintf(out,
-                    "        if (walk_reach_%zu > 0.0)\n            candidate.irradiance *= 1.0 - "
-                    "walk_near_part(candidate.distance * candidate.distance, walk_reach_%zu);\n",
-                    i, i);
-        fputs("        // Both directions of travel are reversed here, which leaves the angle between them as it is.\n"
-              "        Spectrum share = weight * candidate.irradiance * walk_scattered(field, incoming, "
-              "candidate.direction);\n",
-              out);
+        fputs("    {\n", out);
+        write_light_sample(out, model, i);
         fputs(has_several ? "        float mean = spectrum_mean(share);\n        total += mean;\n"
                             "        if (mean > 0.0 && walk_random() * total <= mean) {\n"
                             "            lit = share / mean;\n            light = candidate;\n        }\n    }\n"
@@ -333,8 +364,8 @@ void scene_glue_write_walk(FILE *out, const struct scene_model *model)
     write_passed(out, model);
     write_near(out, model);
     write_lamp(out, model);
-    write_light(out, model);
     write_scatter(out, model);
+    write_light(out, model);
 }
 
 void scene_glue_write_walk_start(FILE *out)

@@ -9,6 +9,7 @@
 #include "worker/glsl/texture_units.h"
 #include "worker/picture/image.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/textures/dome_table.h"
 #include "worker/textures/gl_texture.h"
 #include "worker/volume/volume_memory.h"
 
@@ -17,7 +18,8 @@
 
 enum {
     DOME = SCENE_OBJECT_LIMIT, // its place among the frame's images; before it, by object
-    IMAGE_LIMIT = SCENE_OBJECT_LIMIT + 1,
+    DOME_TABLE,                // made of the dome's image
+    IMAGE_LIMIT,
     KEPT_LIMIT = 2 * IMAGE_LIMIT // twice what a frame has, so one is empty or idle
 };
 
@@ -58,38 +60,85 @@ void gl_textures_destroy(struct gl_textures *textures)
     free(textures);
 }
 
-static size_t size_of(const struct texture_input *input)
+static void find_size(const struct texture_input *input, size_t image, int *width_px, int *height_px)
 {
-    return (size_t)input->width_px * (size_t)input->height_px * 4 * sizeof(float);
+    *width_px = input->width_px;
+    *height_px = input->height_px;
+    if (image == DOME_TABLE) dome_table_size(input->width_px, input->height_px, width_px, height_px);
+}
+
+static size_t size_of(const struct texture_input *input, size_t image)
+{
+    int width, height;
+
+    find_size(input, image, &width, &height);
+    return (size_t)width * (size_t)height * 4 * sizeof(float);
+}
+
+static bool load_image(const struct texture_input *input, size_t image, struct image *loaded, struct error *error)
+{
+    struct image of;
+    bool ok;
+
+    if (!texture_input_load(input, image == DOME_TABLE ? &of : loaded, error)) return false;
+    if (image != DOME_TABLE) return true;
+    ok = dome_table_init(loaded, &of, error);
+    image_finish(&of);
+    return ok;
 }
 
 // GL is asked first, for an image that it has no room for need not be read.
-static bool load(const struct gl_functions *gl, const struct texture_input *input, unsigned *name, struct error *error)
+static bool load(const struct gl_functions *gl, const struct texture_input *input, size_t image, unsigned *name,
+                 struct error *error)
 {
-    struct image image;
+    struct image loaded;
+    int width, height;
 
-    if (!gl_texture_create(gl, input->width_px, input->height_px, name, error)) {
+    find_size(input, image, &width, &height);
+    if (!gl_texture_create(gl, width, height, name, error)) {
         error_prefix(error, "%s", input->source->file);
         return false;
     }
-    if (!texture_input_load(input, &image, error)) {
+    if (!load_image(input, image, &loaded, error)) {
         gl->DeleteTextures(1, name);
         return false;
     }
-    gl_texture_fill(gl, *name, &image);
-    image_finish(&image);
+    gl_texture_fill(gl, *name, &loaded);
+    image_finish(&loaded);
     return true;
 }
 
-// Returns the index of the texture; -1 on failure.
-static int read_texture(struct gl_textures *textures, const struct texture_input *input, struct error *error)
+// What is kept is known by the hash of its file; a table's has an end of its own.
+static void name_key(const struct texture_input *input, size_t image, char key[static HASH_TEXT_SIZE])
 {
-    int index = lru_make_room(&textures->lru, size_of(input), drop, textures);
+    char both[2][HASH_TEXT_SIZE] = {{0}, "table"};
 
-    if (!load(textures->gl, input, &textures->names[index], error)) return -1;
-    lru_put(&textures->lru, index, input->hash, size_of(input));
+    memcpy(key, input->hash, HASH_TEXT_SIZE);
+    if (image != DOME_TABLE) return;
+    memcpy(both[0], input->hash, sizeof both[0]);
+    hash_bytes(both, sizeof both, key);
+}
+
+// Returns the index of the texture; -1 on failure.
+static int read_texture(struct gl_textures *textures, const struct texture_input *input, size_t image,
+                        struct error *error)
+{
+    int index = lru_make_room(&textures->lru, size_of(input, image), drop, textures);
+    char key[HASH_TEXT_SIZE];
+
+    if (!load(textures->gl, input, image, &textures->names[index], error)) return -1;
+    name_key(input, image, key);
+    lru_put(&textures->lru, index, key, size_of(input, image));
     log_debug("textures: %s read, %d x %d pixels", input->source->file, input->width_px, input->height_px);
     return index;
+}
+
+static int find_texture(struct gl_textures *textures, const struct texture_input *input, size_t image)
+{
+    char key[HASH_TEXT_SIZE];
+
+    name_key(input, image, key);
+    return lru_find(&textures->lru, key);
 }
 
 struct reading {
@@ -100,12 +149,12 @@ struct reading {
 // The zero value, with no source, where there is none.
 static const struct texture_input *image_of(const struct scene_inputs *inputs, size_t image)
 {
-    return image == DOME ? &inputs->dome : &inputs->textures[image];
+    return image >= DOME ? &inputs->dome : &inputs->textures[image];
 }
 
 static void name_place(const struct scene_inputs *inputs, size_t image, struct error *error)
 {
-    if (image != DOME) {
+    if (image < DOME) {
         error_prefix(error, "scene.objects[%zu].material.texture.file", image);
         return;
     }
@@ -113,14 +162,19 @@ static void name_place(const struct scene_inputs *inputs, size_t image, struct e
         if (inputs->scene->lights[i].dome.image.file) error_prefix(error, "lights[%zu].file", i);
 }
 
+static unsigned unit_of(size_t image)
+{
+    return image < DOME ? texture_unit_of_object(image) : image == DOME ? TEXTURE_UNIT_DOME : TEXTURE_UNIT_DOME_TABLE;
+}
+
 static bool bind_image(struct gl_textures *textures, const struct scene_inputs *inputs, size_t image,
                        const struct reading *reading, struct error *error)
 {
     const struct texture_input *input = image_of(inputs, image);
-    int index = lru_find(&textures->lru, input->hash);
+    int index = find_texture(textures, input, image);
 
     if (index < 0) {
-        index = read_texture(textures, input, error);
+        index = read_texture(textures, input, image, error);
         if (index < 0) {
             name_place(inputs, image, error);
             return false;
@@ -130,14 +184,13 @@ static bool bind_image(struct gl_textures *textures, const struct scene_inputs *
             return false;
         }
     }
-    textures->gl->BindTextureUnit(image == DOME ? TEXTURE_UNIT_DOME : texture_unit_of_object(image),
-                                  textures->names[index]);
+    textures->gl->BindTextureUnit(unit_of(image), textures->names[index]);
     return true;
 }
 
 static bool is_first_of_its_image(const struct scene_inputs *inputs, size_t image)
 {
-    for (size_t i = 0; i < image; ++i)
+    for (size_t i = 0; i < image && image != DOME_TABLE; ++i)
         if (image_of(inputs, i)->source && strcmp(image_of(inputs, i)->hash, image_of(inputs, image)->hash) == 0)
             return false;
     return true;
@@ -150,7 +203,7 @@ static bool check_memory(const struct scene_inputs *inputs, struct error *error)
 
     for (size_t i = 0; i < IMAGE_LIMIT; ++i)
         if (image_of(inputs, i)->source && is_first_of_its_image(inputs, i))
-            size_bytes += (int64_t)size_of(image_of(inputs, i));
+            size_bytes += (int64_t)size_of(image_of(inputs, i), i);
     if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
     error_prefix(error, "%s", inputs->dome.source ? "the images of the scene" : "scene.objects: the textures");
     return false;
@@ -164,7 +217,7 @@ bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *i
 
     lru_begin(&textures->lru);
     for (size_t i = 0; i < IMAGE_LIMIT; ++i)
-        if (image_of(inputs, i)->source) are_there &= lru_find(&textures->lru, image_of(inputs, i)->hash) >= 0;
+        if (image_of(inputs, i)->source) are_there &= find_texture(textures, image_of(inputs, i), i) >= 0;
     // Finding the limit takes as long as drawing a hundred pixels.
     if (!are_there && !check_memory(inputs, error)) return false;
     for (size_t i = 0; i < IMAGE_LIMIT; ++i)

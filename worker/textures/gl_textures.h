@@ -16,8 +16,8 @@ void gl_textures_clear(struct gl_textures *textures);                  // drops 
 // Called after each image that was read. Returning false stops the rest.
 typedef bool gl_textures_progress(void *user);
 
-// Reads the images that are not kept, then binds object I's image to texture_unit_of_object(I) and a dome's to
-// TEXTURE_UNIT_DOME. `inputs` are hashed; `on_progress` may be NULL. Images that need more memory than the
-// process has are an error.
+// Reads the images that are not kept, then binds object I's image to texture_unit_of_object(I), a dome's to
+// TEXTURE_UNIT_DOME and its table to TEXTURE_UNIT_DOME_TABLE. `inputs` are hashed; `on_progress` may be NULL. Images
+// that need more memory than the process has are an error.
 bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *inputs,
                       gl_textures_progress *on_progress, void *user, struct error *error);
