@@ -208,6 +208,20 @@ static void glowing_media_follow_the_geometric_series(void **state)
     assert_furnace(noise, "\"all\"", INFINITY);
 }
 
+// So many paths take some hundred slices. One that were begun anew or went on with another weight would be seen.
+static void paths_go_on_from_slice_to_slice(void **state)
+{
+    static const char noise[] = GLOWING("{ \"g\": 0.5, \"weight\": 1 }", NOISE_EVERYWHERE);
+    const struct bias_check_scene scene = {
+        .media = noise, .quality = PATHS("2048"), .background = "0", .orders = "\"all\""};
+    double truth[BIAS_CHECK_VALUES];
+
+    (void)state;
+    for (int i = 0; i < BIAS_CHECK_VALUES; ++i)
+        truth[i] = 1;
+    assert_fair(&scene, truth, 8);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -221,6 +235,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(glowing_media_follow_the_geometric_series),
+        cmocka_unit_test(paths_go_on_from_slice_to_slice),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -1,0 +1,177 @@
+// Random paths: pictures that are the same whoever renders them, in however many slices; thick media; alpha and depth.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/bias_check.h"
+#include "tests/support/gl_stage.h"
+#include "tests/support/shader_dir.h"
+#include "worker/picture/image.h"
+#include "worker/picture/pixel.h"
+#include "worker/render/renderer.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define BALL "\"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9 }"
+#define NOISE                                                                                                          \
+    "{ \"sigma_s\": [2, 3, 4], \"sigma_a\": 0.5, \"density\": { \"kind\": \"noise\", \"frequency\": 2.5,"              \
+    " \"octaves\": 3, \"mode\": \"clip\", \"scale\": 6, " BALL " } }"
+#define EVEN(COEFFICIENTS) "{ " COEFFICIENTS ", \"density\": { \"kind\": \"homogeneous\", " BALL " } }"
+#define LAMP "{ \"kind\": \"point\", \"intensity\": 3, \"position\": [0.2, 0.3, 0.1] },"
+#define SUN "{ \"kind\": \"sun\", \"intensity\": 3, \"direction\": [-1, -2, 0.5] },"
+#define PATHS(COUNT) "\"method\": \"paths\", \"paths\": " COUNT
+
+enum { HEIGHT_PX = 96 }; // more rows than a renderer's first tile
+
+struct stage {
+    struct gl_stage gl;
+    struct image image;
+    struct job job;
+    struct renderer_result result;
+    struct error error;
+};
+
+static struct stage open_stage(const struct bias_check_scene *scene, int height_px)
+{
+    struct stage stage = {0};
+
+    bias_check_parse(&stage.job, scene);
+    stage.job.height_px = height_px;
+    stage.gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    assert_true(image_init(&stage.image, BIAS_CHECK_WIDTH_PX, height_px, true, true, NULL));
+    return stage;
+}
+
+static void close_stage(struct stage *stage)
+{
+    image_finish(&stage->image);
+    gl_stage_close(stage->gl);
+    job_finish(&stage->job);
+}
+
+static void render(struct stage *stage, int32_t frame)
+{
+    if (!renderer_render(stage->gl.renderer,
+                         &(struct renderer_frame){.job = &stage->job, .frame = frame, .image = &stage->image},
+                         &stage->result, &stage->error))
+        fail_msg("%s", stage->error.message);
+}
+
+// Tiles follow from what a renderer has drawn before, and pixels of a list share SIMD units with others than in the
+// frame: slices end at other turns.
+static void a_frame_is_the_same_picture_for_all(void **state)
+{
+    static const char *const qualities[] = {PATHS("3"), PATHS("200"), PATHS("40") ", \"samples\": 2"};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i) {
+        const struct bias_check_scene scene = {
+            .media = NOISE, .lights = SUN LAMP, .orders = "\"all\"", .quality = qualities[i]};
+        struct stage alone = open_stage(&scene, HEIGHT_PX), busy = open_stage(&scene, HEIGHT_PX);
+        size_t bytes = (size_t)4 * BIAS_CHECK_WIDTH_PX * HEIGHT_PX * sizeof *alone.image.rgba;
+
+        render(&alone, 5);
+        render(&busy, 3);
+        assert_memory_not_equal(busy.image.rgba, alone.image.rgba, bytes);
+        render(&busy, 5);
+        assert_memory_equal(busy.image.rgba, alone.image.rgba, bytes);
+        close_stage(&alone);
+        close_stage(&busy);
+    }
+}
+
+static void a_list_has_the_pixels_of_the_frame(void **state)
+{
+    enum { COUNT = 37 };
+    const struct bias_check_scene scene = {.media = NOISE, .lights = SUN, .orders = "\"all\"", .quality = PATHS("100")};
+    struct stage whole = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    struct pixel pixels[COUNT];
+    struct image list;
+
+    (void)state;
+    render(&whole, 2);
+    for (int i = 0; i < COUNT; ++i)
+        pixels[i] = (struct pixel){(7 * i + 3) % BIAS_CHECK_WIDTH_PX, (5 * i + 1) % BIAS_CHECK_HEIGHT_PX};
+    assert_true(image_init(&list, COUNT, 1, true, true, NULL));
+    if (!renderer_render(whole.gl.renderer,
+                         &(struct renderer_frame){
+                             .job = &whole.job, .frame = 2, .pixels = pixels, .pixel_count = COUNT, .image = &list},
+                         &whole.result, &whole.error))
+        fail_msg("%s", whole.error.message);
+    for (int i = 0; i < COUNT; ++i) {
+        size_t at = (size_t)pixels[i].y * BIAS_CHECK_WIDTH_PX + (size_t)pixels[i].x;
+
+        assert_memory_equal(list.rgba + 4 * (size_t)i, whole.image.rgba + 4 * at, 4 * sizeof *list.rgba);
+    }
+    image_finish(&list);
+    close_stage(&whole);
+}
+
+// No light is lost in a white medium, however thick: most of it comes back, and paths have thousands of scatterings.
+// The ball reflects at most what falls onto it, I / pi for a sun of irradiance I, as a white Lambertian ball would.
+static void thick_white_media_come_to_an_end(void **state)
+{
+    const struct bias_check_scene scene = {.media = EVEN("\"sigma_s\": 100, \"sigma_a\": 0"),
+                                           .lights = SUN,
+                                           .orders = "\"all\"",
+                                           .background = "0",
+                                           .quality = PATHS("16")};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    double sum = 0, most = 0;
+
+    (void)state;
+    render(&stage, 0);
+    for (size_t i = 0; i < BIAS_CHECK_VALUES / 3; ++i) {
+        sum += (double)stage.image.rgba[4 * i];
+        most = fmax(most, (double)stage.image.rgba[4 * i]);
+    }
+    assert_true(image_is_finite(&stage.image, true, NULL));
+    print_message("mean %.3f, most %.3f\n", sum / (BIAS_CHECK_VALUES / 3), most);
+    // The brightest pixels see the lit side nearly along the light, which sends back 3 / pi in the mean.
+    assert_true(most > 0.5 && most < 1.6);
+    close_stage(&stage);
+}
+
+// Alpha, transmittance and depth are those of the medium, within the noise of 256 estimates of a white one.
+static void alpha_and_depth_are_those_of_the_medium(void **state)
+{
+    const struct bias_check_scene scene = {.media = EVEN("\"sigma_s\": 0.2, \"sigma_a\": [0.8, 0.3, 0.1]"),
+                                           .lights = SUN,
+                                           .orders = "3",
+                                           .background = "1",
+                                           .quality = PATHS("1024")};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    size_t middle = (size_t)(BIAS_CHECK_HEIGHT_PX / 2) * BIAS_CHECK_WIDTH_PX + BIAS_CHECK_WIDTH_PX / 2;
+    const float *passed = stage.image.transmittance + 4 * middle;
+
+    (void)state;
+    render(&stage, 0);
+    // The ray through that pixel is 1.75 m or so long in the ball.
+    assert_float_equal(passed[0], exp(-1.75), 0.1);
+    assert_float_equal(passed[1], exp(-0.5 * 1.75), 0.1);
+    assert_float_equal(passed[2], exp(-0.3 * 1.75), 0.1);
+    assert_float_equal(stage.image.rgba[4 * middle + 3], 1.0f, 0.0f);
+    assert_true(stage.image.depth[middle] > 3.1f && stage.image.depth[middle] < 5.0f);
+    assert_float_equal(stage.image.transmittance[0], 1.0f, 0.0f);
+    assert_float_equal(stage.image.depth[0], 0.0f, 0.0f);
+    close_stage(&stage);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_frame_is_the_same_picture_for_all),
+        cmocka_unit_test(a_list_has_the_pixels_of_the_frame),
+        cmocka_unit_test(thick_white_media_come_to_an_end),
+        cmocka_unit_test(alpha_and_depth_are_those_of_the_medium),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
