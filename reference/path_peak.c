@@ -12,6 +12,7 @@ static const double FAR_REACHES = 2.0;
 // A drawn place of the new vertex.
 struct place {
     struct vec3 direction;
+    double begin;    // m from the vertex before to where media begin to count
     double distance; // m from the vertex before
     double weight;   // 1 / density per steradian and metre; from a path's beginning, per metre. 0: there is none
 };
@@ -29,7 +30,7 @@ static struct place draw_on_ray(const struct path_vertex *vertex, const struct p
     double along = vec3_dot(toward, vertex->incoming);
     double beside = vec3_length(vec3_subtract(toward, vec3_scale(vertex->incoming, along)));
     double half = sqrt(fmax(peak->reach * peak->reach - beside * beside, 0.0)), first, last, angle, rise;
-    struct place place = {.direction = vertex->incoming};
+    struct place place = {.direction = vertex->incoming, .begin = near};
 
     near = fmax(near, along - half);
     far = fmin(far, along + half);
@@ -88,15 +89,15 @@ static void add_peak(const struct path_scene *scene, const struct path_vertex *v
                      const struct place *place, size_t lamp, bool is_sphere, struct stream *stream,
                      double radiance[static 3])
 {
-    const struct ray ray = {vertex->position, place->direction};
-    struct path_vertex next = {.position = ray_at(&ray, place->distance), .incoming = place->direction};
+    const struct ray way = {vertex->position, place->direction}, ray = {ray_at(&way, place->begin), place->direction};
+    struct path_vertex next = {.position = ray_at(&way, place->distance), .incoming = place->direction};
     double share = path_peak_share(peak, next.position), passed[3], scatter = 1.0;
 
     if (vertex->medium || vertex->is_surface) scatter = path_vertex_scatter(vertex, place->direction);
     if (!(share * scatter * place->weight > 0.0)) return;
     for (int c = 0; c < 3; c++)
         passed[c] = vertex->throughput[c] * scatter * place->weight;
-    path_passage_attenuate(scene, &ray, place->distance, stream, passed);
+    path_passage_attenuate(scene, &ray, place->distance - place->begin, stream, passed);
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct medium *medium = scene->media[i].medium;
         double density = medium->density.at(medium->density.field, next.position);

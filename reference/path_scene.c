@@ -74,12 +74,13 @@ static double extinction_near(const struct path_scene *scene, struct vec3 positi
     return sum;
 }
 
-// The reach is about a mean free path beside the lamp: farther away, paths find the lamp's light by themselves.
+// The reach is about a mean free path beside the lamp, whose medium is thinner than its bound: farther away, paths find
+// the lamp's light by themselves.
 static void find_reach(const struct path_scene *scene, struct path_peak *peak)
 {
     double reach = 0x1p40, extinction = extinction_near(scene, peak->position, reach);
 
-    while (extinction * reach > 1.0 && reach > NARROWEST_REACH) {
+    while (extinction * reach > 4.0 && reach > NARROWEST_REACH) {
         reach *= 0.5;
         extinction = extinction_near(scene, peak->position, reach);
     }

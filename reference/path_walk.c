@@ -270,6 +270,10 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
         .vertex = {.position = walk->ray.origin, .incoming = walk->ray.direction, .throughput = {1.0, 1.0, 1.0}},
     };
 
+    if (walk->from) {
+        walker.vertex = *walk->from;
+        walker.ray = (struct ray){walk->from->position, path_vertex_draw(walk->from, stream)};
+    }
     while (follow(&walker)) {
     }
     return walker.looks;

@@ -5,11 +5,14 @@
 // 2017; Miller, Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of Light Transport, SIGGRAPH 2019.
 #pragma once
 
-#include "reference/path_scene.h"
+#include "reference/path_light.h"
 #include "reference/stream.h"
 
 struct path_walk {
-    struct ray ray;   // from its origin, against the light's travel
+    struct ray ray; // from its origin, against the light's travel
+    // Instead of the ray: its direction is drawn as this vertex scatters, and the estimate is the mean radiance that
+    // the vertex receives, weighted by its phase. Its throughput is 1. Borrowed; NULL: the ray.
+    const struct path_vertex *from;
     double near, far; // m: media of the first stretch count between them; far may be INFINITY
     bool is_seen;     // emission and the looks at order 1 as a camera sees them: a dome or a sphere met at once is not
                       // counted. Else the ray is as one that has been scattered: all that it meets counts.

@@ -188,7 +188,7 @@ static void flights_go_as_far_as_the_bound_says(void **state)
     majorant_finish(&majorant);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_fold_exceeds_its_bound),
@@ -202,5 +202,6 @@ int main(void)
         cmocka_unit_test(flights_go_as_far_as_the_bound_says),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

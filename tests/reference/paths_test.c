@@ -150,6 +150,7 @@ static void a_clipped_ball_s_first_order_is_exact(void **state)
     still.camera.clip_near = 3.5;
     still.camera.clip_far = 4.6;
     path_still_add_ball(&still, (struct vec3){0.0, 0.0, 0.0}, 1.0, 1.0, 0.3);
+    path_still_add_point(&still, (struct vec3){0.1, 0.15, 0.3}, 1.0);
     add_lamps(&still);
     check_first_order(&still, 0.02);
 }
@@ -168,7 +169,7 @@ static void a_lamp_inside_is_exact(void **state)
 // Each of the noise's halves is as far from the truth as its error says, whatever the number of paths.
 static void noise_of_a_lamp_inside_falls_as_it_should(void **state)
 {
-    enum { BATCHES = 64 };
+    enum { BATCHES = 32 };
     struct still still;
     struct paths *paths;
     double first = 0.0;
@@ -177,7 +178,7 @@ static void noise_of_a_lamp_inside_falls_as_it_should(void **state)
     path_still_add_ball(&still, (struct vec3){0.0, 0.0, 0.0}, 1.0, 2.5, 0.1);
     path_still_add_point(&still, (struct vec3){0.1, 0.15, -0.2}, 1.0);
     paths = paths_create(&still, SCENE_ORDERS_ALL, NULL);
-    for (long count = 1 << 6; count <= 1 << 12; count *= 8) {
+    for (long count = 1 << 6; count <= 1 << 15; count *= 8) {
         double mean = 0.0, squares = 0.0, noise;
 
         for (int i = 0; i < BATCHES; i++) {
@@ -192,7 +193,7 @@ static void noise_of_a_lamp_inside_falls_as_it_should(void **state)
         noise = sqrt(squares / (BATCHES - 1) * (double)count) / mean;
         print_message("%6ld paths: mean %.5f, noise times the root %.3f\n", count, mean, noise);
         if (first == 0.0) first = noise;
-        // 64 batches know their spread within 9 % of it.
+        // 32 batches know their spread within 13 % of it.
         assert_near(noise / first, 1.0, 0.4);
     }
     paths_destroy(paths);
@@ -259,7 +260,7 @@ static void what_paths_cannot_follow_is_refused(void **state)
     expect_refusal(&still, "absorbs nothing");
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_s_first_order_is_exact),
@@ -277,5 +278,6 @@ int main(void)
         cmocka_unit_test(what_paths_cannot_follow_is_refused),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
