@@ -122,6 +122,10 @@ const struct cross_rule schema_cross_rules[] = {
     {"methods of one order",
      "expected one that shows light scattered more than once",
      {"scene.scattering", "{\"orders\":2}"}},
+    {"a box around what scatters",
+     "a scatter_grid is a box around what scatters",
+     {"scene", "{\"scattering\":{\"orders\":2},\"media\":[{\"sigma_s\":1,\"sigma_a\":1,\"density\":{\"kind\":"
+               "\"homogeneous\"}}]}"}},
     {"paths of nodes", "only beside scatter_grid", {"quality.paths", "3"}},
     {"random paths end at glass",
      "not with random paths",

@@ -127,6 +127,7 @@ static char *text_for(const struct cross_rule *rule)
     if (begins(rule, "equiangular is for the even")) set(&text, "quality", "{\"method\":\"equiangular\",\"points\":1}");
     if (begins(rule, "riemann") || begins(rule, "methods of one order"))
         set(&text, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":2}");
+    if (begins(rule, "a box")) set(&text, "quality", "{\"method\":\"equiangular\",\"points\":1,\"scatter_grid\":8}");
     return text;
 }
 
