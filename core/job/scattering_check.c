@@ -195,10 +195,8 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
-    for (size_t i = 0; i < job->scene.light_count; i++) {
+    for (size_t i = 0; i < job->scene.light_count; i++)
         if (light_rules_of(job->scene.lights[i].kind)->has_size && job->quality.method != JOB_METHOD_PATHS)
             return fail_light(&check, i, "kind", "not rendered yet by this method: only paths show it");
-        if (job->scene.lights[i].dome.is_visible) return fail_light(&check, i, "visible", "not rendered yet");
-    }
     return true;
 }

@@ -187,3 +187,10 @@ const char *scene_find_code(const struct scene *scene)
         if (scene->media[i].density.kind == SCENE_DENSITY_GLSL) return scene_glsl_name(&scene->media[i].density.glsl);
     return NULL;
 }
+
+bool scene_has_behind(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].dome.is_visible) return true;
+    return scene->has_background;
+}

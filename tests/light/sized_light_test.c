@@ -3,9 +3,12 @@
 #include "core/job/job.h"
 #include "reference/paths.h"
 #include "reference/still.h"
+#include "tests/support/assert_near.h"
 #include "tests/support/bias_check.h"
 #include "tests/support/exr_maker.h"
+#include "tests/support/render_frame.h"
 #include "tests/support/temp_folder.h"
+#include "worker/picture/image.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -28,6 +31,7 @@ enum { PIXELS = BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX };
     " \"octaves\": 2, \"bias\": 0.2, \"mode\": \"clip\", \"scale\": 4,"                                                \
     " \"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9, \"falloff\": 0.3 } } }"
 #define EVEN_DOME "{ \"kind\": \"dome\", \"radiance\": 1 },"
+#define VISIBLE "{ \"kind\": \"dome\", \"visible\": true, "
 #define GRADIENT                                                                                                       \
     "{ \"kind\": \"dome\", \"gradient\": { \"along\": [0, 1, 3], \"against\": [2, 0.5, 0], \"axis\": [1, 2, -0.5] } "  \
     "},"
@@ -46,10 +50,16 @@ static void assert_fair(const struct bias_check_scene *scene, const double *trut
     assert_true(errors.spread > 1e-3);
 }
 
+static struct ray ray_through(const struct still *still, int pixel)
+{
+    int column = pixel % BIAS_CHECK_WIDTH_PX, row = pixel / BIAS_CHECK_WIDTH_PX;
+
+    return camera_pinhole_ray(&still->camera, column + 0.5, row + 0.5);
+}
+
 static double chord_of(const struct still *still, int pixel)
 {
-    struct ray ray = camera_pinhole_ray(&still->camera, pixel % BIAS_CHECK_WIDTH_PX + 0.5,
-                                        pixel / BIAS_CHECK_WIDTH_PX + 0.5); // NOLINT(bugprone-integer-division)
+    struct ray ray = ray_through(still, pixel);
     double along = -vec3_dot(ray.origin, ray.direction);
     double square = 0.81 - vec3_dot(ray.origin, ray.origin) + along * along;
 
@@ -84,6 +94,58 @@ static void white_balls_vanish_in_uniform_light(void **state)
 }
 
 // A thin ball in a dome of radiance 1 shows sigma_s times the ray's length in it.
+// The sky behind is seen as bright as ever through such a ball.
+static void white_balls_vanish_before_a_dome_that_is_seen(void **state)
+{
+    const struct bias_check_scene scene = {.media = BALL("\"sigma_s\": 2, \"phase\": [ { \"g\": 0.6 } ]"),
+                                           .lights = VISIBLE "\"radiance\": 1 },",
+                                           .quality = PATHS("8"),
+                                           .background = "",
+                                           .orders = "\"all\""};
+    double truth[BIAS_CHECK_VALUES];
+
+    for (int i = 0; i < BIAS_CHECK_VALUES; i++)
+        truth[i] = 1.0;
+    assert_fair(&scene, truth, 128);
+}
+
+static void assert_sky(const char *media)
+{
+    static const char gradient[] =
+        VISIBLE "\"gradient\": { \"along\": [0, 1, 3], \"against\": [2, 0.5, 0], \"axis\": [1, 2, -0.5] } },";
+    const struct bias_check_scene scene = {.media = media, .lights = gradient, .quality = PATHS("2"), .background = ""};
+    struct still still;
+    struct image image;
+    struct job job;
+    int count = 0;
+
+    bias_check_parse(&job, &scene);
+    still_init(&still, &job, 0.0);
+    render_frame_zero(&job, &image);
+    for (int i = 0; i < PIXELS; i++) {
+        double wanted[3];
+
+        if (chord_of(&still, i) > 0.0) continue;
+        dome_radiance(&still.dome, ray_through(&still, i).direction, wanted);
+        for (int c = 0; c < 3; c++)
+            assert_near(image.rgba[4 * i + c], wanted[c], 1e-5);
+        assert_true(image.rgba[4 * i + 3] == 1.0F);
+        count++;
+    }
+    assert_true(count > 20);
+    image_finish(&image);
+    job_finish(&job);
+}
+
+// Where nothing is in front of a visible dome, it is all that is seen, and alpha is 1.
+static void sky_is_seen_beside_media_and_without_any(void **state)
+{
+    assert_sky(BALL("\"sigma_s\": 2"));
+    assert_sky(BALL("\"sigma_a\": 2"));
+    assert_sky("{ \"sigma_s\": 1, \"density\": { \"kind\": \"homogeneous\","
+               " \"bounds\": { \"kind\": \"sphere\", \"center\": [0, 50, 0], \"radius\": 0.9 } } }");
+}
+
 static void thin_ball_shows_its_column_of_the_dome(void **state)
 {
     const struct bias_check_scene scene = {.media = BALL("\"sigma_s\": [1e-4, 2e-4, 3e-4]"),
@@ -183,6 +245,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_balls_vanish_in_uniform_light),
+        cmocka_unit_test(white_balls_vanish_before_a_dome_that_is_seen),
+        cmocka_unit_test(sky_is_seen_beside_media_and_without_any),
         cmocka_unit_test(thin_ball_shows_its_column_of_the_dome),
         cmocka_unit_test(spheres_are_those_of_the_reference),
         cmocka_unit_test(gradients_are_those_of_the_reference),

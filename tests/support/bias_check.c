@@ -15,6 +15,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -23,19 +24,21 @@
 // A black light moves, so that no two frames share their random numbers.
 void bias_check_parse(struct job *job, const struct bias_check_scene *scene)
 {
+    bool has_background = !scene->background || *scene->background;
     struct error error = {{0}};
     char text[8192];
 
     snprintf(
         text, sizeof text,
         "{ \"version\": 1, \"name\": \"bias\", \"frames\": \"0-9999\", \"fps\": 24, \"resolution\": [%d, %d],"
-        " \"camera\": { \"position\": [0.1, 0.2, 4], \"target\": [0, 0, 0], \"fov\": 30 }, \"background\": %s,"
+        " \"camera\": { \"position\": [0.1, 0.2, 4], \"target\": [0, 0, 0], \"fov\": 30 }, %s%s%s"
         " \"lights\": [ %s { \"kind\": \"point\", \"intensity\": 0, \"position\": { \"start\": [0, 9, 0],"
         " \"rate\": [1, 0, 0] } } ], \"scene\": { \"scattering\": { \"orders\": %s }, \"media\": [ %s ] },"
         " \"quality\": { %s },"
         " \"output\": { \"path\": \"bias.####.exr\", \"pixel\": \"float\", \"aovs\": [\"Z\", \"transmittance\"] } }",
-        BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, scene->background ? scene->background : "0.3",
-        scene->lights ? scene->lights : "", scene->orders ? scene->orders : "1", scene->media, scene->quality);
+        BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, has_background ? "\"background\": " : "",
+        scene->background ? scene->background : "0.3", has_background ? "," : "", scene->lights ? scene->lights : "",
+        scene->orders ? scene->orders : "1", scene->media, scene->quality);
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 

@@ -17,7 +17,7 @@ struct bias_check_scene {
     const char *media;      // elements of "scene.media"
     const char *lights;     // elements of "lights", each with a comma behind it; NULL: none
     const char *quality;    // members of "quality"
-    const char *background; // a value; NULL: 0.3
+    const char *background; // a value; NULL: 0.3; empty: none
     const char *orders;     // of scattering, a value; NULL: 1
     const double *noise;    // standard errors of the truth, which widen what chance explains; NULL: it is exact
 };

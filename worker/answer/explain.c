@@ -275,9 +275,10 @@ static void list_outputs(const struct listing *listing)
         features->is_rgb ? "a coefficient, a light or the background differs between red, green and blue"
                          : "everything seen is grey, so one number stands for all three");
     say(listing, features->has_background, "background", "%s",
-        features->has_background ? "it is not black"
-        : scene->has_background  ? "it is black"
-                                 : "the job has none; the picture has alpha instead");
+        features->dome_is_behind   ? "it is a dome"
+        : features->has_background ? "it is not black"
+        : scene->has_background    ? "it is black"
+                                   : "the job has none; the picture has alpha instead");
     say(listing, features->has_depth, "depth", "%s",
         features->has_depth ? "output.aovs names Z" : "output.aovs does not name Z");
     say(listing, features->has_transmittance, "transmittance output", "%s",

@@ -157,7 +157,7 @@ static const struct light_kind kinds[][3] = {
                                                    .structure = "LightDomeGradient",
                                                    .values = {&opposite, &axis},
                                                    .is_dome = true},
-                          [SCENE_DOME_FILE] = {.modules = {"scatter/random.glsl", "math/arc.glsl",
+                          [SCENE_DOME_FILE] = {.modules = {"math/random.glsl", "scatter/random.glsl", "math/arc.glsl",
                                                            "light/dome_image.glsl"},
                                                .function = "light_dome_image",
                                                .structure = "LightDomeImage",

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-enum { LIGHT_VALUE_LIMIT = 4, LIGHT_MODULE_LIMIT = 3 };
+enum { LIGHT_VALUE_LIMIT = 4, LIGHT_MODULE_LIMIT = 4 };
 
 // A light of a scene's shader.
 struct light_site {

@@ -98,12 +98,15 @@ static void add_object(struct scene_features *features, const struct scene_objec
 static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters)
 {
     for (size_t i = 0; i < scene->light_count; ++i) {
-        bool is_seen = (scatters || features->surfaces_are_lit) && !light_kind_is_dark(&scene->lights[i]);
+        bool is_behind = scene->lights[i].dome.is_visible;
+        bool is_seen = (scatters || features->surfaces_are_lit || is_behind) && !light_kind_is_dark(&scene->lights[i]);
 
+        features->dome_is_behind |= is_behind && is_seen;
         features->light_is_seen[i] = is_seen;
         features->has_lights |= is_seen;
         features->is_rgb |= is_seen && !light_kind_is_grey(&scene->lights[i]);
     }
+    features->has_background |= features->dome_is_behind;
     features->media_are_lit = scatters && features->has_lights;
     features->surfaces_are_lit &= features->has_lights;
     for (size_t i = 0; i < features->object_count; ++i)
@@ -164,13 +167,15 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     add_tracking(&features, &job->quality);
     add_walk(&features, &job->quality);
-    features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
+    features.is_rgb |=
+        features.has_background && !features.dome_is_behind && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
         features.has_peaks |= features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square;
     features.has_peaks &=
         features.marches && features.media_are_lit && !features.is_tracked && job->quality.method != JOB_METHOD_RIEMANN;
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
-    features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
+    features.has_rays = features.has_media || features.has_objects || features.dome_is_behind;
+    features.has_samples = features.has_rays && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
     features.is_random = features.has_samples || features.has_roulette || features.has_roughness ||
                          features.is_jittered || features.is_tracked || features.is_walked;

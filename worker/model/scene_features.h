@@ -45,7 +45,10 @@ struct scene_features {
     bool places_points;     // light is gathered over a whole stretch, at points placed for each light
     bool is_rgb;            // something visible has a colour
     bool extinction_is_rgb; // extinction depends on the colour
-    bool has_depth, has_transmittance, has_background;
+    bool has_depth, has_transmittance;
+    bool has_background;  // what lies behind everything is not black
+    bool dome_is_behind;  // it is a dome
+    bool has_rays;        // something is seen along camera rays
     bool has_paths;       // some rays are reflected or refracted; they are counted, and may be cut
     bool has_two_paths;   // some surface both reflects and refracts
     bool has_dielectrics; // some object is transparent

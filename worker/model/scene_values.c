@@ -345,7 +345,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model 
     const struct scene *scene = &model->job->scene;
 
     uniforms->anchored = model->job;
-    if (features->has_media || features->has_objects) add_camera(uniforms, model->job, !features->fills_grid);
+    if (features->has_rays) add_camera(uniforms, model->job, !features->fills_grid);
     if (features->takes_time) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
     add_anchor(uniforms, model);
     for (size_t i = 0; i < scene->medium_count; ++i)
@@ -353,7 +353,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model 
     object_values_add(uniforms, scene, features, spectrum);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) add_light(uniforms, &scene->lights[i], spectrum, i);
-    if (features->has_background)
+    if (features->has_background && !features->dome_is_behind)
         frame_uniforms_add(uniforms,
                            timeline_value(&scene->background, spectrum, value_range_not_negative, "background"),
                            "background");

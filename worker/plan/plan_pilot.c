@@ -194,7 +194,7 @@ static double transmittance_at(const struct plan_pilot *pilot, const struct imag
 {
     if (image->transmittance)
         return (image->transmittance[4 * i] + image->transmittance[4 * i + 1] + image->transmittance[4 * i + 2]) / 3.0;
-    return pilot->job.scene.has_background ? -1.0 : 1.0 - image->rgba[4 * i + 3];
+    return scene_has_behind(&pilot->job.scene) ? -1.0 : 1.0 - image->rgba[4 * i + 3];
 }
 
 static void note_depths(struct plan_pilot *pilot)

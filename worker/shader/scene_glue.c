@@ -115,7 +115,8 @@ static void write_background(FILE *out, const struct scene_model *model)
 {
     fprintf(out, "    rgba = vec4(spectrum_rgb(%s", model->features.has_media ? "gathered.radiance + " : "");
     if (model->features.has_extinction) fputs("gathered.transmittance * ", out);
-    fputs("background), 1.0);\n", out);
+    scene_glue_light_write_behind(out, model, "direction");
+    fputs("), 1.0);\n", out);
 }
 
 static void write_depth(FILE *out, const struct job *job, const char *depth)
@@ -148,15 +149,15 @@ static void write_media_picture(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
 
-    if (model->job->scene.has_background && features->has_background)
+    if (features->has_background)
         write_background(out, model);
     else if (features->has_media)
         fprintf(out, "    rgba = vec4(spectrum_rgb(gathered.radiance), %s);\n",
-                model->job->scene.has_background ? "1.0"
-                : features->has_extinction       ? "1.0 - spectrum_mean(gathered.transmittance)"
-                                                 : "0.0");
+                scene_has_behind(&model->job->scene) ? "1.0"
+                : features->has_extinction           ? "1.0 - spectrum_mean(gathered.transmittance)"
+                                                     : "0.0");
     else
-        fprintf(out, "    rgba = vec4(0.0, 0.0, 0.0, %s);\n", model->job->scene.has_background ? "1.0" : "0.0");
+        fprintf(out, "    rgba = vec4(0.0, 0.0, 0.0, %s);\n", scene_has_behind(&model->job->scene) ? "1.0" : "0.0");
     if (features->has_transmittance)
         fprintf(out, "    transmittance = vec4(%s, 0.0);\n",
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
@@ -194,7 +195,10 @@ static void write_media_main(FILE *out, const struct scene_model *model)
         return;
     }
     if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
-    if (features->has_media) write_media(out, model);
+    if (features->has_media)
+        write_media(out, model);
+    else if (features->has_rays)
+        write_view(out, model);
     if (features->is_sliced)
         fprintf(out, "    bool is_paused = !slice_is_over%s;\n    is_done = slice_store(is_paused);\n",
                 majorant_mark_is_needed(model) ? " && majorant_low < 0" : "");
@@ -209,7 +213,7 @@ static void write_path_main(FILE *out, const struct scene_model *model)
     write_view(out, model);
     scene_glue_write_path_start(out, model);
     fprintf(out, "    rgba = vec4(spectrum_rgb(path_radiance), %s);\n",
-            model->job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(path_behind)");
+            scene_has_behind(&model->job->scene) ? "1.0" : "1.0 - spectrum_mean(path_behind)");
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(path_behind), 0.0);\n", out);
     if (features->has_depth) write_depth(out, model->job, "path_depth / length(toward)");
     if (features->has_paths) fputs("    paths = path_counts;\n", out);

@@ -63,6 +63,13 @@ void scene_glue_light_write_functions(FILE *out, const struct scene_light *light
             kind->is_sphere ? ", vec2(walk_random(), walk_random())" : "");
 }
 
+void scene_glue_light_write_behind(FILE *out, const struct scene_model *model, const char *direction)
+{
+    if (!model->features.dome_is_behind) fputs("background", out);
+    for (size_t i = 0; model->features.dome_is_behind && i < model->job->scene.light_count; ++i)
+        if (model->job->scene.lights[i].dome.is_visible) fprintf(out, "light_%zu_radiance(%s)", i, direction);
+}
+
 void scene_glue_light_write_sample(FILE *out, const struct scene_model *model, size_t i)
 {
     const struct scene_features *features = &model->features;

@@ -14,6 +14,8 @@ void scene_glue_light_write_value(FILE *out, const struct scene_light *light, si
 // toward)` instead, and if it is an image `vec3 light_I_draw()`, random directions by its light, and `float
 // light_I_density(vec3 toward)`, theirs per steradian.
 void scene_glue_light_write_functions(FILE *out, const struct scene_light *light, size_t i);
+// Writes the expression of the radiance that lies behind everything in a direction: the background, or a dome.
+void scene_glue_light_write_behind(FILE *out, const struct scene_model *model, const char *direction);
 // Writes the expression of light `i`'s sample in a march, and ";": for the whole segment where the light has a peak in
 // it. Nodes of a Gauss rule follow 1 / r^2 by themselves, except where segments cannot be shortened further.
 void scene_glue_light_write_sample(FILE *out, const struct scene_model *model, size_t i);

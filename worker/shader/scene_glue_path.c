@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_gather.h"
+#include "worker/shader/scene_glue_light.h"
 
 #include <math.h>
 
@@ -79,7 +80,7 @@ void scene_glue_write_shadow(FILE *out, const struct scene_model *model)
 
 static bool sees_behind(const struct scene_model *model)
 {
-    return model->features.has_transmittance || !model->job->scene.has_background;
+    return model->features.has_transmittance || !scene_has_behind(&model->job->scene);
 }
 
 // Room for the rays that wait: a power of two, so that paths of several lengths share a program.
@@ -264,7 +265,11 @@ static void write_answer(FILE *out, const struct scene_features *features)
 static void write_escape(FILE *out, const struct scene_model *model)
 {
     fputs("void path_escape(PathRay ray)\n{\n", out);
-    if (model->features.has_background) fputs("    path_radiance += ray.throughput * background;\n", out);
+    if (model->features.has_background) {
+        fputs("    path_radiance += ray.throughput * ", out);
+        scene_glue_light_write_behind(out, model, "ray.direction");
+        fputs(";\n", out);
+    }
     if (sees_behind(model)) fputs("    if (ray.is_direct) path_behind += ray.throughput;\n", out);
     fputs("}\n", out);
 }

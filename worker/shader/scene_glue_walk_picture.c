@@ -3,6 +3,7 @@
 
 #include "core/job/job.h"
 #include "worker/model/scene_model.h"
+#include "worker/shader/scene_glue_light.h"
 
 #include <math.h>
 
@@ -76,9 +77,12 @@ void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
     const struct scene_features *features = &model->features;
 
     write_sums(out, model);
-    fprintf(out, "    rgba = vec4(spectrum_rgb(light%s), %s);\n",
-            features->has_background ? " + passed * background" : "",
-            model->job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(passed)");
+    fputs("    rgba = vec4(spectrum_rgb(light", out);
+    if (features->has_background) {
+        fputs(" + passed * ", out);
+        scene_glue_light_write_behind(out, model, "direction");
+    }
+    fprintf(out, "), %s);\n", scene_has_behind(&model->job->scene) ? "1.0" : "1.0 - spectrum_mean(passed)");
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
     if (features->has_depth) {
         fputs("    float half_way = 2.0 * walk.depth.y > float(passes) ? walk.depth.x / walk.depth.y : 0.0;\n", out);

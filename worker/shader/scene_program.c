@@ -281,7 +281,7 @@ static bool assemble(struct scene_program *program, const char *shader_dir, stru
     add_module(&assembly, "math/constants.glsl");
     add_module(&assembly, program->model.features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
     frame_uniforms_declare(&program->uniforms, generate(&assembly));
-    if (program->model.features.has_media || program->model.features.has_objects) add_camera(&assembly);
+    if (program->model.features.has_rays) add_camera(&assembly);
     if (program->model.features.has_media) add_media(&assembly);
     if (program->model.features.has_objects) add_surfaces(&assembly);
     if (program->model.features.has_lights) add_lights(&assembly);
