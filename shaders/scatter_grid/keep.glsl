@@ -2,6 +2,8 @@
 // does: minus a twelfth of its second differences. Light falls off to all sides, so that chords lie below it.
 // `sets` of values lie one behind the other along z. Where walks were cut, alpha is so far below 0 that no neighbour's
 // hides it.
+const float SCATTER_GRID_UNNEEDED = 2e6; // as in walk.glsl: such a node has no value
+
 vec4 scatter_grid_keep(sampler3D means, ivec3 at, int sets)
 {
     ivec3 size = textureSize(means, 0);
@@ -13,7 +15,9 @@ vec4 scatter_grid_keep(sampler3D means, ivec3 at, int sets)
     for (int axis = 0; axis < 3; ++axis) {
         ivec3 next = ivec3(0);
         next[axis] = place[axis] > 0 && place[axis] < last[axis] ? 1 : 0;
-        sum += texelFetch(means, at - next, 0) + texelFetch(means, at + next, 0) - 2.0 * middle;
+        vec4 before = texelFetch(means, at - next, 0);
+        vec4 after = texelFetch(means, at + next, 0);
+        if (max(before.a, after.a) < SCATTER_GRID_UNNEEDED) sum += before + after - 2.0 * middle;
     }
     return middle.a < 0.0 ? vec4(0.0, 0.0, 0.0, -1e6) : vec4(max(middle.rgb - sum.rgb / 12.0, 0.0), 0.0);
 }

@@ -1,9 +1,10 @@
 // Fills the grid of scattered light: from each node walks go out against the light, and gather what they meet. The
-// mean over a node's walks has no bias, whatever the grid. One iteration is one step of a free flight; a walk that ends
-// makes room for the node's next one. Free flights and colours are those of integrator/delta.glsl.
+// mean over a node's walks has no bias, whatever the grid. A walk that ends makes room for the node's next one, so that
+// one loop follows them all. Free flights and colours are those of integrator/delta.glsl.
 const int SCATTER_GRID_ITERATIONS = 20000; // of one turn: some drivers end loops after 65,535
-const int SCATTER_GRID_LAST_START = 5000;  // no walk begins in a turn after it
+const int SCATTER_GRID_LAST_START = 4000;  // no walk begins in a turn after it
 const float SCATTER_GRID_FAINT = 0.25;     // a walk that carries less ends at random
+const float SCATTER_GRID_UNNEEDED = 2e6;   // alpha of nodes without media around: more than there are walks
 
 struct ScatterWalk {
     vec3 position, direction; // where the flight began, and where it looks
@@ -12,6 +13,7 @@ struct ScatterWalk {
     float at, end; // along the flight
     float least;   // samples per metre
     int scatterings;
+    int iterations; // of a turn
 };
 
 // What is fainter than SCATTER_GRID_FAINT ends at random, and is weighted where it goes on, which keeps the mean.
@@ -33,21 +35,31 @@ void scatter_walk_turn(inout ScatterWalk walk, vec3 position, vec3 direction)
     walk.least = WALK_SAMPLES / max(walk.end - walk.at, 1e-30);
 }
 
-// Light that would be scattered a `most`-th time at the node is the last that counts. Returns the light of one step;
-// the walk is over where its weight is 0.
-Spectrum scatter_walk_step(inout ScatterWalk walk, int most)
+// Flies to the next particle of the majorant, `depth` of its optical depths away, cell by cell. Returns the particles
+// per metre there; 0 where the walk leaves the media before.
+float scatter_walk_fly(inout ScatterWalk walk, float depth)
 {
-    float edge = media_next_edge(walk.spans, walk.at, walk.end);
-    vec3 here = walk.position + walk.at * walk.direction;
-    float rate = media_rate(walk.spans, here, walk.direction, walk.at, walk.least, edge);
-    float flight = (rate > 0.0 ? -log(1.0 - walk_random()) / rate : FAR_AWAY);
-    if (walk.at + flight >= edge) {
+    while (walk.iterations < SCATTER_GRID_ITERATIONS && walk.at < walk.end) {
+        ++walk.iterations;
+        float edge = media_next_edge(walk.spans, walk.at, walk.end);
+        vec3 here = walk.position + walk.at * walk.direction;
+        float rate = media_rate(walk.spans, here, walk.direction, walk.at, walk.least, edge);
+        float within = rate * (edge - walk.at);
+        if (depth < within) {
+            walk.at += depth / rate;
+            return rate;
+        }
+        depth -= within;
         walk.at = edge;
-        if (edge >= walk.end) walk.weight = spectrum(0.0);
-        return spectrum(0.0);
     }
-    walk.at += flight;
-    here = walk.position + walk.at * walk.direction;
+    return 0.0;
+}
+
+// Light that would be scattered a `most`-th time at the node is the last that counts. Returns the light at one
+// particle; the walk is over where its weight is 0.
+Spectrum scatter_walk_meet(inout ScatterWalk walk, float rate, int most)
+{
+    vec3 here = walk.position + walk.at * walk.direction;
     MediaField field = media_field(walk.spans, here, walk.direction, walk.at);
     if (field.distance >= 0.0) {
         walk.at += field.distance;
@@ -71,29 +83,67 @@ Spectrum scatter_walk_step(inout ScatterWalk walk, int most)
     return light;
 }
 
-// Goes on with the walks of one node. `index` is the node's, `set` that of its phase function.
-void scatter_grid_fill(ivec3 texel, uint index, vec3 node, int set, int most)
+// True when light is looked up between the node and its neighbours, `cell` apart: some medium is there. Half cells are
+// looked at, which miss no cell of a majorant that is larger.
+bool scatter_grid_is_needed(vec3 node, vec3 cell)
 {
+    const vec3 AHEAD = vec3(1.0, 0.0, 0.0);
+    for (int i = 0; i < 125; ++i) {
+        vec3 place = node + 0.5 * cell * vec3(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
+        MediaSpans spans = media_spans(place, AHEAD);
+        vec2 interval = media_interval(spans);
+        float edge = interval.y;
+        if (interval.x <= 0.0 && interval.y > 0.0 &&
+            (!SCATTER_GRID_SKIPS || media_rate(spans, place, AHEAD, 0.0, 0.0, edge) > 0.0))
+            return true;
+    }
+    return false;
+}
+
+// Goes on with the walks of one node. `index` is the node's, `set` that of its phase function. Their first draws are
+// evenly spread: the sequence of Roberts (The Unreasonable Effectiveness of Quasirandom Sequences, 2018) in three
+// dimensions, shifted at random from node to node.
+void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, int most)
+{
+    const uvec3 STRIDES = uvec3(3518319155u, 2882110345u, 2360945575u); // 1 / x, 1 / x^2, 1 / x^3 with x^4 = x + 1
     vec4 kept = imageLoad(cache_image, texel);
     int wanted = int(scatter_grid_paths);
     int walks = int(kept.a);
     if (walks < 0 || walks >= wanted) return;
+    if (walks == 0 && !scatter_grid_is_needed(node, cell)) {
+        imageStore(cache_image, texel, vec4(0.0, 0.0, 0.0, SCATTER_GRID_UNNEEDED));
+        return;
+    }
     vec3 away = node - camera_position;
     float apart = length(away);
     away = apart > 0.0 ? away / apart : vec3(0.0, 0.0, 1.0);
+    walk_random_start(uvec2(index & 65535u, index >> 16u), 0xffffffffu, uint(set), 0u);
+    uvec3 shift = uvec3(random_hash(walk_random_state), random_hash(walk_random_state + 1u),
+                        random_hash(walk_random_state + 2u));
     Spectrum sum = walk_kept(kept.rgb);
     ScatterWalk walk;
+    walk.at = 0.0;
+    walk.end = -1.0;
+    walk.weight = spectrum(0.0);
+    walk.iterations = 0;
     bool goes = false;
-    for (int iteration = 0; iteration < SCATTER_GRID_ITERATIONS; ++iteration) {
+    while (walk.iterations < SCATTER_GRID_ITERATIONS) {
+        float share = 0.0;
         if (!goes) {
-            if (walks >= wanted || iteration > SCATTER_GRID_LAST_START) break;
+            if (walks >= wanted || walk.iterations > SCATTER_GRID_LAST_START) break;
             walk_random_start(uvec2(index & 65535u, index >> 16u), uint(walks), uint(set), 0u);
+            vec3 even = vec3((shift + uint(walks) * STRIDES) >> 8u) * (1.0 / 16777216.0);
             walk.weight = spectrum(1.0);
             walk.scatterings = 0;
-            scatter_walk_turn(walk, node, walk_first(set, away));
+            scatter_walk_turn(walk, node, walk_first(set, away, even.xy));
             goes = true;
+            share = even.z;
+        } else {
+            share = walk_random();
         }
-        if (walk.at < walk.end) sum += scatter_walk_step(walk, most);
+        ++walk.iterations;
+        float rate = scatter_walk_fly(walk, -log(1.0 - share));
+        if (rate > 0.0) sum += scatter_walk_meet(walk, rate, most);
         if (walk.at >= walk.end || spectrum_max(walk.weight) <= 0.0) {
             goes = false;
             ++walks;
@@ -104,6 +154,6 @@ void scatter_grid_fill(ivec3 texel, uint index, vec3 node, int set, int most)
         return;
     }
     if (walks < wanted) cache_is_unfinished = 1u;
-    float share = walks < wanted ? 1.0 : 1.0 / float(wanted);
-    imageStore(cache_image, texel, vec4(spectrum_rgb(sum) * share, float(walks)));
+    float part = walks < wanted ? 1.0 : 1.0 / float(wanted);
+    imageStore(cache_image, texel, vec4(spectrum_rgb(sum) * part, float(walks)));
 }

@@ -95,6 +95,7 @@ bool scatter_grid_init(struct scatter_grid *grid, const struct scene_model *mode
         double cells = ceil(job->quality.scatter_grid * box.size[i] / longest - 1e-6);
 
         grid->nodes[i] = 1 + (int)fmax(cells, 1);
+        grid->cell_m = fmax(grid->cell_m, box.size[i] / fmax(cells, 1));
     }
     return true;
 }

@@ -24,6 +24,7 @@ struct scatter_grid {
     size_t leaders[SCENE_MEDIUM_LIMIT]; // by group: a medium with its phase function
     size_t group_count;
     int nodes[3];  // along the world's axes, those of one group
+    double cell_m; // the longest side of a cell when the frame begins
     bool is_still; // the box that holds the media does not move
 };
 

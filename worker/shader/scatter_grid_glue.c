@@ -33,6 +33,8 @@ void scatter_grid_glue_write_lookup(FILE *out, const struct scatter_grid *grid, 
     }
 }
 
+enum { MAJORANT_VOXELS = 4 }; // half the side of bricks of voxels, each with a majorant; they may be turned
+
 static void write_main(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
 {
     // A light's order counts up to `most`; a float holds it exactly.
@@ -49,7 +51,7 @@ static void write_main(FILE *out, const struct scatter_grid *grid, const struct 
             "    int layers = size.z / %zu;\n"
             "    vec3 share = vec3(texel.xy, texel.z %% layers) / vec3(size.xy - 1, layers - 1);\n"
             "    scatter_grid_fill(texel, uint(index), scatter_grid_low + share * scatter_grid_size, "
-            "texel.z / layers, %d);\n}\n",
+            "scatter_grid_size / vec3(size.xy - 1, layers - 1), texel.z / layers, %d);\n}\n",
             SCENE_CACHE_GROUP_SIDE, grid->group_count, orders);
 }
 
@@ -87,6 +89,12 @@ static void add_lights(struct shader_assembly *text, const struct scatter_grid_p
         light_grid_glue_write_lookup(text->out, &program->light_grids[i]);
 }
 
+// True when none of the majorants' cells lies between points that are half a cell of the grid apart.
+static bool skips(const struct scatter_grid *grid)
+{
+    return !grid->inputs || 0.5 * grid->cell_m < MAJORANT_VOXELS * scene_inputs_find_voxel(grid->inputs);
+}
+
 static bool assemble(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
                      struct error *error)
 {
@@ -111,6 +119,7 @@ static bool assemble(struct scene_cache *cache, const struct scatter_grid_progra
     add_lights(&text, program);
     shader_assembly_generate(&text);
     scatter_walk_glue_write(text.out, walked, program->grid);
+    fprintf(text.out, "const bool SCATTER_GRID_SKIPS = %s;\n", skips(program->grid) ? "true" : "false");
     shader_assembly_add(&text, "scatter_grid/walk.glsl");
     shader_assembly_generate(&text);
     write_main(text.out, program->grid, cache);

@@ -10,26 +10,26 @@ static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t 
 {
     switch (lobe) {
     case LOBE_HENYEY_GREENSTEIN:
-        fprintf(out, "less = scatter_henyey_greenstein(medium_%zu_lobe_%zu_g, walk_random());\n", medium, index);
+        fprintf(out, "less = scatter_henyey_greenstein(medium_%zu_lobe_%zu_g, draw.x);\n", medium, index);
         break;
     case LOBE_RAYLEIGH:
-        fputs("less = scatter_rayleigh(walk_random());\n", out);
+        fputs("less = scatter_rayleigh(draw.x);\n", out);
         break;
     case LOBE_UNSEEN:
     case LOBE_ISOTROPIC:
-        fputs("less = 2.0 * walk_random();\n", out);
+        fputs("less = 2.0 * draw.x;\n", out);
         break;
     }
 }
 
-// Writes vec3 medium_I_turned(vec3 direction), which draws from the medium's phase function. A lobe is drawn by weight.
+// Writes vec3 medium_I_turned(vec3 direction, vec2 draw): a draw from the medium's phase function, a lobe by weight.
 static void write_turned(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
 {
     size_t last = 0, seen = 0;
 
     for (size_t k = 0; k < medium->lobe_count; ++k)
         if (features->lobes[k] != LOBE_UNSEEN) last = k, seen++;
-    fprintf(out, "vec3 medium_%zu_turned(vec3 direction)\n{\n    float less;\n", i);
+    fprintf(out, "vec3 medium_%zu_turned(vec3 direction, vec2 draw)\n{\n    float less;\n", i);
     if (seen > 1) fputs("    float lobe = walk_random();\n", out);
     for (size_t k = 0; k < last; ++k) {
         if (features->lobes[k] == LOBE_UNSEEN) continue;
@@ -41,7 +41,7 @@ static void write_turned(FILE *out, const struct scene_medium *medium, const str
     write_less(out, medium->lobe_count == 0 ? LOBE_ISOTROPIC : features->lobes[last], i, last);
     for (size_t k = 1; k < seen; ++k)
         fputs("    }\n", out);
-    fputs("    return scatter_turn(direction, less, walk_random());\n}\n", out);
+    fputs("    return scatter_turn(direction, less, draw.y);\n}\n", out);
 }
 
 static void write_emission(FILE *out, const struct scene_model *model)
@@ -100,7 +100,8 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
 
         fprintf(out,
                 "    if (draw < spectrum_mean(part_%zu)) {\n        weight = part_%zu * (all / "
-                "spectrum_mean(part_%zu));\n        turned = medium_%zu_turned(direction);\n        return;\n    }\n"
+                "spectrum_mean(part_%zu));\n        turned = medium_%zu_turned(direction, vec2(walk_random(), "
+                "walk_random()));\n        return;\n    }\n"
                 "    draw -= spectrum_mean(part_%zu);\n",
                 i, i, i, i, i);
     }
@@ -111,15 +112,16 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
                 grid->media[grid->medium_count - 1], grid->media[grid->medium_count - 1]);
     else
         fprintf(out, "    weight = part_%zu;\n", grid->media[0]);
-    fprintf(out, "    turned = medium_%zu_turned(direction);\n}\n", grid->media[grid->medium_count - 1]);
+    fprintf(out, "    turned = medium_%zu_turned(direction, vec2(walk_random(), walk_random()));\n}\n",
+            grid->media[grid->medium_count - 1]);
 }
 
 static void write_first(FILE *out, const struct scatter_grid *grid)
 {
-    fputs("vec3 walk_first(int set, vec3 direction)\n{\n", out);
+    fputs("vec3 walk_first(int set, vec3 direction, vec2 draw)\n{\n", out);
     for (size_t group = 0; group + 1 < grid->group_count; ++group)
-        fprintf(out, "    if (set == %zu) return medium_%zu_turned(direction);\n", group, grid->leaders[group]);
-    fprintf(out, "    return medium_%zu_turned(direction);\n}\n", grid->leaders[grid->group_count - 1]);
+        fprintf(out, "    if (set == %zu) return medium_%zu_turned(direction, draw);\n", group, grid->leaders[group]);
+    fprintf(out, "    return medium_%zu_turned(direction, draw);\n}\n", grid->leaders[grid->group_count - 1]);
 }
 
 void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)

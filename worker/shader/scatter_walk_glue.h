@@ -13,6 +13,6 @@ struct scene_model;
 //                                                                     `direction`, per metre
 //   void walk_scatter(MediaField field, vec3 direction, inout Spectrum weight, out vec3 turned)
 //                     multiplies the weight by the scattering coefficient and draws where light comes from
-//   vec3 walk_first(int set, vec3 direction)    draws from the phase function of a set of the grid's values
+//   vec3 walk_first(int set, vec3 direction, vec2 draw)    draws from the phase function of a set of the grid's values
 //   WALK_SAMPLES, the least mean number of samples along a flight; Spectrum walk_kept(vec3 rgb)
 void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid);
