@@ -7,7 +7,9 @@
 
 // Collisions across a medium that glows and hardly attenuates: its source is looked at there.
 static const double GLOW_LOOKS = 4.0;
-static const double NARROWEST_REACH = 1e-9; // m
+// The most that a medium's bound may attenuate within a lamp's reach.
+static const double REACH_DEPTH = 4.0;
+static const double WIDEST_REACH = 0x1p40; // m
 
 static double sigma_most(const struct medium *medium)
 {
@@ -75,16 +77,18 @@ static double extinction_near(const struct path_scene *scene, struct vec3 positi
 }
 
 // The reach is about a mean free path beside the lamp, whose medium is thinner than its bound: farther away, paths find
-// the lamp's light by themselves.
+// the lamp's light by themselves. It grows from what holds everywhere, since bounds of large boxes take long.
 static void find_reach(const struct path_scene *scene, struct path_peak *peak)
 {
-    double reach = 0x1p40, extinction = extinction_near(scene, peak->position, reach);
+    double most = 0.0, reach;
 
-    while (extinction * reach > 4.0 && reach > NARROWEST_REACH) {
-        reach *= 0.5;
-        extinction = extinction_near(scene, peak->position, reach);
-    }
-    peak->reach = extinction > 0.0 ? reach : 0.0;
+    for (size_t i = 0; i < scene->medium_count; i++)
+        most += sigma_most(scene->media[i].medium) * scene->media[i].majorant.most;
+    if (!(most > 0.0)) return;
+    reach = REACH_DEPTH / most;
+    while (reach < WIDEST_REACH && 2.0 * reach * extinction_near(scene, peak->position, 2.0 * reach) <= REACH_DEPTH)
+        reach *= 2.0;
+    if (extinction_near(scene, peak->position, reach) > 0.0) peak->reach = reach;
 }
 
 static void find_peaks(struct path_scene *scene)
