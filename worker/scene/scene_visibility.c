@@ -56,7 +56,7 @@ static bool meets_shadow_ray(const struct scene_ball *ball, const struct scene_b
     bool has_end = light_rules_of(light->kind)->has_position;
     double ray[3], radius = (ball->radius + lit->radius) * (1.0 + MARGIN);
 
-    if (!isfinite(radius)) return true;
+    if (!isfinite(radius) || light_rules_of(light->kind)->has_size) return true;
     timeline_evaluate(has_end ? &light->position : &light->direction, time, ray);
     for (int axis = 0; axis < 3; ++axis)
         ray[axis] = has_end ? ray[axis] - lit->center[axis] : -ray[axis];

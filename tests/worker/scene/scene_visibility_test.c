@@ -26,17 +26,21 @@ enum { TEXT_SIZE = 2048, COLUMNS = 24, ROWS = 14, SCENES = 400, POINTS = 12 };
     "{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"octaves\":2,\"H\":1,\"bounds\":{\"kind\":\"sphere\","          \
     "\"center\":[0,0,0],\"radius\":1}},\"sigma_s\":2}"
 
-static void parse(struct job *job, const char *lights, const char *camera, const char *media)
+static void parse_with(struct job *job, const char *lights, const char *camera, const char *media, const char *quality)
 {
     char text[TEXT_SIZE];
     struct error error = {{0}};
 
     snprintf(text, sizeof text,
              "{\"version\":1,\"name\":\"sight\",\"frames\":\"0-9\",\"fps\":1,\"resolution\":[%d,%d],\"camera\":{%s},"
-             "\"lights\":[%s],\"scene\":{\"media\":[%s]},\"quality\":{\"method\":\"midpoint\",\"step\":0.1,"
-             "\"light_step\":0.1},\"output\":{\"path\":\"a.####.exr\"}}",
-             COLUMNS, ROWS, camera, lights, media);
+             "\"lights\":[%s],\"scene\":{\"media\":[%s]},\"quality\":{%s},\"output\":{\"path\":\"a.####.exr\"}}",
+             COLUMNS, ROWS, camera, lights, media, quality);
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s\n%s", error.message, text);
+}
+
+static void parse(struct job *job, const char *lights, const char *camera, const char *media)
+{
+    parse_with(job, lights, camera, media, "\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1");
 }
 
 static char *text_of_frame(const struct job *job, int32_t frame)
@@ -160,6 +164,28 @@ static bool shades(const struct scene_ball *ball, const struct scene_ball *seen,
     return false;
 }
 
+// A medium beside the line to a lamp's middle is on the way to its edge; on the way to a dome every medium is.
+static void a_medium_before_a_part_of_a_large_light_stays(void **state)
+{
+    static const char *const lights[] = {"{\"kind\":\"sphere\",\"intensity\":1,\"position\":[0,6,0],\"radius\":4}",
+                                         "{\"kind\":\"dome\",\"radiance\":1}"};
+    static const char *const media =
+        NEAR_BALL ",{\"density\":{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\","
+                  "\"center\":[3,3,0],\"radius\":0.5}},\"sigma_a\":5}";
+
+    (void)state;
+    for (size_t i = 0; i < 2; ++i) {
+        bool is_unneeded[SCENE_MEDIUM_LIMIT];
+        struct job job;
+
+        parse_with(&job, lights[i], CAMERA, media, "\"method\":\"paths\",\"paths\":4");
+        scene_visibility_find(&job, NULL, 0, is_unneeded);
+        assert_false(is_unneeded[0]);
+        assert_false(is_unneeded[1]);
+        job_finish(&job);
+    }
+}
+
 static void parse_random(struct job *job, struct random *random)
 {
     struct vector eye = random_vector(random, 5), target = random_vector(random, 2), light = random_vector(random, 5);
@@ -226,6 +252,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_medium_outside_the_view_adds_no_code),
         cmocka_unit_test(a_medium_that_casts_a_shadow_stays),
+        cmocka_unit_test(a_medium_before_a_part_of_a_large_light_stays),
         cmocka_unit_test(whatever_is_met_is_kept),
     };
 
