@@ -6,9 +6,12 @@
 #include "tests/support/assert_near.h"
 #include "tests/support/bias_check.h"
 #include "tests/support/exr_maker.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/render_frame.h"
+#include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
 #include "worker/picture/image.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -216,6 +219,59 @@ static void gradients_are_those_of_the_reference(void **state)
     assert_reference(NOISE, GRADIENT LAMP, "4");
 }
 
+static void fill_sky(int width, int height, float *rgb)
+{
+    for (int i = 0; i < height * width; i++)
+        for (int c = 0; c < 3; c++)
+            rgb[3 * i + c] = (float)((i / width < height / 2 ? 0.5 : 0.1) * (1.0 + 0.3 * c) *
+                                     (1.0 + 0.5 * sin(0.2 * (i % width) + c)));
+}
+
+// An image that turns and grows brighter is seen where it should be at each moment.
+static void image_turns_as_it_should(void **state)
+{
+    enum { WIDTH = 64, HEIGHT = 32 };
+    static float rgb[HEIGHT * WIDTH * 3];
+    const struct still_inputs inputs = {.dome = {rgb, WIDTH, HEIGHT}};
+    const char *path = temp_folder_path(state, "turning.exr");
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct bias_check_scene scene = {.media = BALL("\"sigma_s\": 2"), .quality = PATHS("1"), .background = ""};
+    struct image image;
+    struct job job;
+    char light[512];
+
+    fill_sky(WIDTH, HEIGHT, rgb);
+    exr_maker_write(path, WIDTH, HEIGHT, JOB_PIXEL_FLOAT, rgb);
+    snprintf(light, sizeof light,
+             VISIBLE "\"file\": \"%s\", \"scale\": { \"start\": 1, \"rate\": 0.5 },"
+                     " \"rotate\": { \"axis\": { \"start\": [1, 3, 0.5], \"rate\": [0.1, 0, 0.3] },"
+                     " \"angle\": { \"start\": 20, \"rate\": 360 } } },",
+             path);
+    scene.lights = light;
+    bias_check_parse(&job, &scene);
+    assert_true(image_init(&image, BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, true, true, NULL));
+    for (int32_t frame = 0; frame < 24; frame += 5) {
+        struct renderer_result result;
+        struct still still;
+
+        still_init_with_inputs(&still, &job, job_frame_time(&job, frame), &inputs);
+        assert_true(renderer_render(
+            stage.renderer, &(struct renderer_frame){.job = &job, .frame = frame, .image = &image}, &result, NULL));
+        for (int i = 0; i < PIXELS; i++) {
+            double wanted[3];
+
+            if (chord_of(&still, i) > 0.0) continue;
+            dome_radiance(&still.dome, ray_through(&still, i).direction, wanted);
+            // Angles are rounded to some 1e-6, of 0.1 for a texel.
+            for (int c = 0; c < 3; c++)
+                assert_near(image.rgba[4 * i + c], wanted[c], 1e-4);
+        }
+    }
+    image_finish(&image);
+    gl_stage_close(stage);
+    job_finish(&job);
+}
+
 // A sky whose sun is one texel, 1e5 times as bright as the rest.
 static void images_are_those_of_the_reference(void **state)
 {
@@ -225,10 +281,7 @@ static void images_are_those_of_the_reference(void **state)
     const char *path = temp_folder_path(state, "sky.exr");
     char light[512];
 
-    for (int i = 0; i < HEIGHT * WIDTH; i++)
-        for (int c = 0; c < 3; c++)
-            rgb[3 * i + c] = (float)((i / WIDTH < HEIGHT / 2 ? 0.5 : 0.1) * (1.0 + 0.3 * c) *
-                                     (1.0 + 0.5 * sin(0.2 * (i % WIDTH) + c)));
+    fill_sky(WIDTH, HEIGHT, rgb);
     for (int c = 0; c < 3; c++)
         rgb[3 * (7 * WIDTH + 40) + c] = 1e5F / (float)(c + 1);
     exr_maker_write(path, WIDTH, HEIGHT, JOB_PIXEL_FLOAT, rgb);
@@ -250,6 +303,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(thin_ball_shows_its_column_of_the_dome),
         cmocka_unit_test(spheres_are_those_of_the_reference),
         cmocka_unit_test(gradients_are_those_of_the_reference),
+        cmocka_unit_test_setup_teardown(image_turns_as_it_should, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(images_are_those_of_the_reference, temp_folder_create, temp_folder_destroy),
     };
 
