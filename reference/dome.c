@@ -23,7 +23,7 @@ static const float *texel_at(const struct dome *dome, double column, double row)
 static void look_up(const struct dome *dome, struct vec3 toward, double value[static 3])
 {
     struct vec3 own = dome_turn(dome, toward, -dome->angle);
-    double across = (0.5 + atan2(own.x, own.z) / (2.0 * M_PI)) * dome->width - 0.5;
+    double across = (0.5 - atan2(own.x, own.z) / (2.0 * M_PI)) * dome->width - 0.5;
     double down = (0.5 - asin(fmin(fmax(own.y, -1.0), 1.0)) / M_PI) * dome->height - 0.5;
     double column = floor(across), row = floor(down), right = across - column, below = down - row;
 

@@ -96,7 +96,7 @@ static struct vec3 draw_in_image(const struct dome_sampler *sampler, const doubl
     size_t width = (size_t)dome->width, row = find(sampler->row_sums, (size_t)dome->height, u[0]);
     size_t column = find(&sampler->sums[row * width], width, u[1]);
     double y = row_top(dome, row) + u[2] * (row_top(dome, row + 1) - row_top(dome, row));
-    double turn = 2.0 * M_PI * (((double)column + u[3]) / dome->width - 0.5), aside = sqrt(fmax(1.0 - y * y, 0.0));
+    double turn = 2.0 * M_PI * (0.5 - ((double)column + u[3]) / dome->width), aside = sqrt(fmax(1.0 - y * y, 0.0));
 
     return dome_turn(dome, (struct vec3){aside * sin(turn), y, aside * cos(turn)}, dome->angle);
 }
@@ -140,7 +140,7 @@ double dome_sampler_density(const struct dome_sampler *sampler, struct vec3 towa
     if (!sampler->sums) return (1.0 + (2.0 * part - 1.0) * vec3_dot(toward, dome->axis)) / (4.0 * M_PI);
     own = dome_turn(dome, toward, -dome->angle);
     row = (size_t)fmax((0.5 - asin(fmin(fmax(own.y, -1.0), 1.0)) / M_PI) * dome->height, 0.0);
-    column = (size_t)fmax((0.5 + atan2(own.x, own.z) / (2.0 * M_PI)) * dome->width, 0.0);
+    column = (size_t)fmax((0.5 - atan2(own.x, own.z) / (2.0 * M_PI)) * dome->width, 0.0);
     if (row >= height) row = height - 1;
     if (column >= width) column = width - 1;
     below = column > 0 ? sampler->sums[row * width + column - 1] : 0.0;

@@ -1,4 +1,4 @@
-// Light from an image in latitude and longitude: u = 1/2 + atan(x, z) / 2 pi to the right, v = 1/2 + asin(y) / pi up.
+// Light from an image in latitude and longitude: u = 1/2 - atan(x, z) / 2 pi to the right, v = 1/2 + asin(y) / pi up.
 // It is bilinear between the middles of its texels; the outermost rows reach to the poles.
 struct LightDomeImage {
     Spectrum scale;
@@ -11,7 +11,7 @@ const float DOME_TURN = 6.28318530717958648;
 vec2 light_dome_image_place(LightDomeImage light, vec3 toward, ivec2 size)
 {
     vec3 own = light.turn * toward;
-    float across = 0.5 + arc(own.x, own.z + 1e-30) / DOME_TURN;
+    float across = 0.5 - arc(own.x, own.z + 1e-30) / DOME_TURN;
     float down = 0.5 - 2.0 * arc(own.y, length(own.xz) + 1e-30) / DOME_TURN;
     return vec2(across, down) * vec2(size);
 }
@@ -54,7 +54,7 @@ vec3 light_dome_image_draw(LightDomeImage light, sampler2D image, sampler2D tabl
     float top = sin(0.5 * DOME_TURN * (0.5 - float(row) / float(size.y)));
     float bottom = sin(0.5 * DOME_TURN * (0.5 - float(row + 1) / float(size.y)));
     float y = mix(top, bottom, inside.y);
-    float angle = DOME_TURN * ((float(column) + inside.x) / float(size.x) - 0.5);
+    float angle = DOME_TURN * (0.5 - (float(column) + inside.x) / float(size.x));
     float aside = sqrt(max(1.0 - y * y, 0.0));
     return normalize(vec3(aside * sin(angle), y, aside * cos(angle)) * light.turn);
 }

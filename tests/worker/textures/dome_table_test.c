@@ -93,7 +93,7 @@ static void densities_are_the_twins(void **state)
     assert_true(dome_table_init(&table, &image, NULL));
     for (int row = 0; row < HEIGHT; row++)
         for (int column = 0; column < WIDTH; column++) {
-            double up = M_PI * (0.5 - (row + 0.5) / HEIGHT), turn = 2.0 * M_PI * ((column + 0.5) / WIDTH - 0.5);
+            double up = M_PI * (0.5 - (row + 0.5) / HEIGHT), turn = 2.0 * M_PI * (0.5 - (column + 0.5) / WIDTH);
             double wanted =
                 dome_sampler_density(&sampler, (struct vec3){cos(up) * sin(turn), sin(up), cos(up) * cos(turn)});
 
