@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/scene/scene_json.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -214,6 +215,15 @@ static void wrong_lights_are_refused_by_place(void **state)
         assert_refused(cases[i].path, cases[i].value, cases[i].message);
 }
 
+static void file_of_a_dome_is_absolute_for_a_daemon(void **state)
+{
+    char *text = json_edit_set(job_text_paths, DOME ".file", "\"noon.exr\"");
+
+    job_expect_no_inputs(job_text_paths, NULL);
+    job_expect_no_inputs(text, DOME ".file: expected an absolute path, got \"noon.exr\"");
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +234,7 @@ int main(void)
         cmocka_unit_test(orders_are_a_number_or_all),
         cmocka_unit_test(wrong_orders_are_refused_by_place),
         cmocka_unit_test(wrong_lights_are_refused_by_place),
+        cmocka_unit_test(file_of_a_dome_is_absolute_for_a_daemon),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
