@@ -62,8 +62,8 @@ enum scene_dome_kind {
 };
 
 // An image in latitude and longitude, as OpenEXR's environment maps are: u = 1/2 - atan2(x, z) / 2 pi from left to
-// right, v = 1/2 + asin(y) / pi up, of the direction (x, y, z) towards the sky, so that who looks at it from inside does
-// not see it mirrored. Then it is turned by `angle` about `axis`.
+// right, v = 1/2 + asin(y) / pi up, of the direction (x, y, z) towards the sky, so that who looks at it from inside
+// does not see it mirrored. Then it is turned by `angle` about `axis`.
 struct scene_dome {
     enum scene_dome_kind kind;
     struct scene_texture image; // file: an EXR, bilinear; else its file is NULL
