@@ -187,9 +187,10 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     struct json_node method = json_node_child(&check.quality, "method");
     bool is_walked = job->scene.orders > 1 || job->quality.method == JOB_METHOD_PATHS;
 
-    if (is_walked && !job_quality_states_method(&job->quality))
+    if (is_walked && !job_quality_states_method(&job->quality) && scene_find_code(&job->scene))
         return json_fail(&check.quality, error,
-                         "not rendered yet above order 1: state a method, paths or a march with a scatter_grid");
+                         "expected a method (paths), since nothing measures the error of a density in GLSL above "
+                         "order 1");
     if (is_walked && job->scene.object_count > 0)
         return json_fail(&method, error, "not rendered yet: random paths in scenes with objects");
     for (size_t i = 0; i < job->scene.medium_count; i++)

@@ -52,7 +52,8 @@ static void henyey_greenstein_is_drawn_by_its_integral(void **state)
         double g = (double)inputs[i][0], share = (double)inputs[i][1], less = (double)outputs[i][0];
         double rounding = 1e-6 / (1 - fabs(g));
 
-        // For backward lobes the share counts from the other end, and 1 - cos is rounded near 2, where the lobe is steep.
+        // For backward lobes the share counts from the other end, and 1 - cos is rounded near 2, where the lobe is
+        // steep.
         if (g < 0) rounding += 2e-7 / ((1 - fabs(g)) * (1 - fabs(g)));
         assert_true(less >= 0 && less <= 2);
         assert_true(fabs(henyey_greenstein_below(g, less) - (g < 0 ? 1 - share : share)) < rounding);

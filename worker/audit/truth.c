@@ -5,11 +5,13 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/scene/light_rules.h"
+#include "reference/paths.h"
 #include "reference/reference.h"
 #include "reference/trace.h"
 #include "worker/audit/truth_files.h"
 #include "worker/scene/pixel_samples.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -22,6 +24,13 @@ enum { THREAD_LIMIT = 64 };
 
 static const double LEAST_THROUGHPUT = 1e-6;
 
+// Light of several orders of scattering is the mean of random paths. A few of a pixel's paths, which count for nothing
+// else, tell how many each half of its measurement takes.
+enum { PATHS_FIRST = 128, PATHS_MIN = 32, PATHS_MAX = 1 << 17 };
+static const double PATHS_RELATIVE = 2e-3; // the accuracy where the caller asks for none
+static const double PATHS_FLOOR = 5.0;     // times the accuracy's: noise of dark pixels counts less than its cost
+static const double PATHS_SHARE = 1.7;     // a half's standard error, relative to the accuracy
+
 struct truth {
     struct job job; // the caller's with other limits of paths; never finished
     int32_t frame;
@@ -30,19 +39,19 @@ struct truth {
     bool is_rough;        // some surface is rough: each sample is traced several times
     struct still *stills; // owned; one for each moment at which samples are taken
     size_t still_count;   // 1, or as many as samples
+    struct paths **paths; // owned, like the stills; NULL: one order of scattering
 };
 
-// Light of one scattering, from lamps without size.
-static bool knows_light(const struct scene *scene)
+// Only light of one scattering from lamps without size is known without random paths.
+static bool needs_paths(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->light_count; i++)
-        if (light_rules_of(scene->lights[i].kind)->has_size) return false;
-    return scene->orders == 1;
+        if (light_rules_of(scene->lights[i].kind)->has_size) return true;
+    return scene->orders != 1;
 }
 
 bool truth_has_twin(const struct job *job)
 {
-    if (!knows_light(&job->scene)) return false;
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->scene.media[i].density.kind == SCENE_DENSITY_GLSL) return false;
     return true;
@@ -64,20 +73,42 @@ static bool has_rough_surfaces(const struct truth *truth)
     return false;
 }
 
-static void stop_moments(struct truth *truth)
+static void drop_moments(struct truth *truth)
+{
+    for (size_t i = 0; truth->paths && i < truth->still_count; i++)
+        paths_destroy(truth->paths[i]);
+    free(truth->paths);
+    free(truth->stills);
+    truth->paths = NULL;
+    truth->stills = NULL;
+    truth->still_count = 0;
+}
+
+static bool make_paths(struct truth *truth, struct error *error)
+{
+    truth->paths = xcalloc(truth->still_count, sizeof(struct paths *));
+    for (size_t i = 0; i < truth->still_count; i++) {
+        truth->paths[i] = paths_create(&truth->stills[i], truth->job.scene.orders, error);
+        if (!truth->paths[i]) return false;
+    }
+    return true;
+}
+
+static bool stop_moments(struct truth *truth, struct error *error)
 {
     int samples = pixel_samples_count(&truth->job);
     bool moves =
         !scene_is_constant(&truth->job.scene) &&
         pixel_samples_time(&truth->job, truth->frame, 0) != pixel_samples_time(&truth->job, truth->frame, samples - 1);
 
-    free(truth->stills);
+    drop_moments(truth);
     truth->still_count = moves ? (size_t)samples : 1;
     truth->stills = xcalloc(truth->still_count, sizeof *truth->stills);
     for (size_t i = 0; i < truth->still_count; i++)
         still_init_with_inputs(&truth->stills[i], &truth->job, pixel_samples_time(&truth->job, truth->frame, (int)i),
                                &truth->files.inputs);
     truth->is_rough = has_rough_surfaces(truth);
+    return !needs_paths(&truth->job.scene) || make_paths(truth, error);
 }
 
 bool truth_seek(struct truth *truth, int32_t frame, struct error *error)
@@ -85,18 +116,16 @@ bool truth_seek(struct truth *truth, int32_t frame, struct error *error)
     truth->is_ready = false;
     truth->frame = frame;
     if (!truth_files_load(&truth->files, &truth->job, frame, error)) return false;
-    stop_moments(truth);
-    truth->is_ready = true;
-    return true;
+    truth->is_ready = stop_moments(truth, error);
+    return truth->is_ready;
 }
 
 struct truth *truth_open(const struct truth_params *params, struct error *error)
 {
     struct truth *truth;
 
-    if (!knows_light(&params->job->scene) || (!params->functions && !truth_has_twin(params->job))) {
-        error_set(error, knows_light(&params->job->scene) ? "a density in GLSL has no twin in the reference"
-                                                          : "the reference measures light of one scattering alone");
+    if (!params->functions && !truth_has_twin(params->job)) {
+        error_set(error, "a density in GLSL has no twin in the reference");
         return NULL;
     }
     truth = xcalloc(1, sizeof *truth);
@@ -114,7 +143,7 @@ void truth_close(struct truth *truth)
 {
     if (!truth) return;
     truth_files_finish(&truth->files);
-    free(truth->stills);
+    drop_moments(truth);
     free(truth);
 }
 
@@ -146,8 +175,49 @@ static int count_rays(const struct truth *truth, int samples)
 // The light of one sample of a pixel.
 struct sample {
     double rgb[3], variance[3]; // of single rays
+    double half[3];
     bool is_converged;
 };
+
+static double greatest_of(const double rgb[static 3])
+{
+    return fmax(fmax(rgb[0], rgb[1]), rgb[2]);
+}
+
+// Paths for each half of a sample, from some paths of the same pixel.
+static long count_paths(const struct truth *truth, const struct paths_light *first,
+                        const struct integrate_accuracy *accuracy)
+{
+    double relative = accuracy && accuracy->relative > 0.0 ? accuracy->relative : PATHS_RELATIVE;
+    double light = fmax(greatest_of(first->mean), accuracy ? PATHS_FLOOR * accuracy->floor : 0.0);
+    double wanted = PATHS_SHARE * relative * light, error = greatest_of(first->error), count;
+
+    if (!(wanted > 0.0)) return PATHS_MIN;
+    count = PATHS_FIRST * (error / wanted) * (error / wanted) / pixel_samples_count(&truth->job);
+    return (long)fmin(fmax(count, PATHS_MIN), PATHS_MAX);
+}
+
+// Two means of paths, independent of each other.
+static struct sample measure_paths(const struct truth *truth, struct pixel pixel, int index,
+                                   const struct integrate_accuracy *accuracy)
+{
+    const struct paths *paths = truth->paths[truth->still_count > 1 ? index : 0];
+    struct pixel_point point = pixel_samples_point(&truth->job, truth->frame, pixel.x, pixel.y, index);
+    struct sample sample = {.is_converged = true};
+    struct paths_light first, halves[2];
+    long count;
+
+    paths_measure_point(paths, point.x_px, point.y_px, PATHS_FIRST, seed_of(truth, pixel.x, pixel.y, index, 2), &first);
+    count = count_paths(truth, &first, accuracy);
+    for (int i = 0; i < 2; i++)
+        paths_measure_point(paths, point.x_px, point.y_px, count, seed_of(truth, pixel.x, pixel.y, index, i),
+                            &halves[i]);
+    for (int c = 0; c < 3; c++) {
+        sample.rgb[c] = 0.5 * (halves[0].mean[c] + halves[1].mean[c]);
+        sample.half[c] = 0.5 * (halves[0].mean[c] - halves[1].mean[c]);
+    }
+    return sample;
+}
 
 static struct sample measure_sample(const struct truth *truth, struct pixel pixel, int index,
                                     const struct integrate_accuracy *accuracy)
@@ -185,6 +255,7 @@ static struct truth_pixel mean_of(const struct truth *truth, const struct sample
         for (int c = 0; c < 3; c++) {
             pixel.rgb[c] += samples[i].rgb[c] / count;
             pixel.variance[c] += samples[i].variance[c] / ((double)count * count);
+            pixel.half[c] += samples[i].half[c] / count;
         }
     }
     return pixel;
@@ -219,7 +290,8 @@ static bool measure_next(struct measuring *measuring)
     if (atomic_load(&measuring->is_stopped)) return false;
     i = atomic_fetch_add(&measuring->next, 1);
     if (i >= measuring->count) return false;
-    measuring->samples[i] = measure_sample(measuring->truth, many->points[i / each], (int)(i % each), many->accuracy);
+    measuring->samples[i] = (measuring->truth->paths ? measure_paths : measure_sample)(
+        measuring->truth, many->points[i / each], (int)(i % each), many->accuracy);
     return true;
 }
 

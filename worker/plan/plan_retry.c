@@ -168,13 +168,15 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
 static int rung_like(const struct plan_retry *retry, const struct plan *plan, enum plan_axis wanted)
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
+    enum { CELLS = 6, RANDOM_PATHS = 9 }; // where the family before has none
     int count = plan_retry_axes(retry, plan, axes), steps = 0;
 
     for (int i = 0; i < count; i++) {
         if (axes[i] == wanted) return plan->point.rungs[i];
         if (axes[i] == PLAN_AXIS_STEP) steps = plan->point.rungs[i];
     }
-    return steps;
+    if (wanted == PLAN_AXIS_SCATTER_GRID) return CELLS;
+    return wanted == PLAN_AXIS_NODE_PATHS || wanted == PLAN_AXIS_PIXEL_PATHS ? RANDOM_PATHS : steps;
 }
 
 // False when no point that is at most DROP_LIMIT rungs coarser than the plan is within the allowance.

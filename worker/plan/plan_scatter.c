@@ -19,14 +19,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIXELS = 8 * 8 }; // of each frame
+enum { PIXELS = 16 * 12 }; // of each frame
 
 // Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
 static const double SHARE = 0.65, FIRST_SHARE = 0.7;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
-// The accuracy asked of reference/, relative to the tolerance; that of the first order, which is only weighed.
-static const double ACCURACY_SHARE = 0.5, FIRST_ACCURACY = 0.05;
-static const double PATHS_MOST = 3e7; // that the search may trace: some ten seconds of a processor
+// The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
+static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
+static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
+static const double PATHS_MOST = 3e7;  // that the search may trace: some ten seconds of a processor
 
 struct frame {
     int32_t number;
@@ -76,11 +77,10 @@ static double mean_square(const struct truth_pixel *pixels, size_t count)
     return fmax(sum / (3.0 * (double)count), 0.0);
 }
 
-static bool measure_truth(struct plan_scatter *scatter, const struct job *job, int32_t number, double relative,
-                          struct truth_pixel *pixels)
+static bool measure_truth(struct plan_scatter *scatter, const struct job *job, int32_t number,
+                          const struct integrate_accuracy *accuracy, struct truth_pixel *pixels)
 {
     struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = number}, &scatter->error);
-    const struct integrate_accuracy accuracy = {.relative = relative, .floor = AUDIT_BLACK};
     size_t count = pixel_count(scatter), measured;
 
     scatter->fault = RENDERER_FAULT_FRAME;
@@ -88,7 +88,7 @@ static bool measure_truth(struct plan_scatter *scatter, const struct job *job, i
     measured = truth_measure_many(truth, &(struct truth_many){.points = scatter->lattice.pixels,
                                                               .pixels = pixels,
                                                               .count = count,
-                                                              .accuracy = &accuracy,
+                                                              .accuracy = accuracy,
                                                               .on_progress = plan_small_on_pixel,
                                                               .user = (void *)scatter->params});
     truth_close(truth);
@@ -102,20 +102,26 @@ static bool measure_all(struct plan_scatter *scatter)
 {
     const struct plan_segment *segment = &scatter->params->segment;
     struct job first = first_of(&scatter->job);
+    const struct integrate_accuracy least = {.relative = 10.0, .floor = AUDIT_BLACK};
     struct truth_pixel alone[PIXELS];
+    size_t count = pixel_count(scatter);
     double most = 0.0;
 
     for (int i = 0; i < segment->pilot_count; i++) {
         struct frame *frame = &scatter->frames[scatter->frame_count++];
+        struct integrate_accuracy accuracy = {.relative = ACCURACY_SHARE * scatter->params->job->quality.tolerance};
         double share;
 
         frame->number = segment->pilot[i];
-        if (!measure_truth(scatter, &scatter->job, frame->number,
-                           ACCURACY_SHARE * scatter->params->job->quality.tolerance, frame->truth) ||
-            !measure_truth(scatter, &first, frame->number, FIRST_ACCURACY, alone))
+        // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
+        if (!measure_truth(scatter, &scatter->job, frame->number, &least, frame->truth)) return false;
+        accuracy.floor = fmax(FLOOR_SHARE * sqrt(mean_square(frame->truth, count)), AUDIT_BLACK);
+        if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth) ||
+            !measure_truth(scatter, &first, frame->number,
+                           &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
             return false;
-        frame->light = mean_square(frame->truth, pixel_count(scatter));
-        share = frame->light > 0.0 ? sqrt(mean_square(alone, pixel_count(scatter)) / frame->light) : 1.0;
+        frame->light = mean_square(frame->truth, count);
+        share = frame->light > 0.0 ? sqrt(mean_square(alone, count) / frame->light) : 1.0;
         most = fmax(most, share);
     }
     scatter->first_share = most;
@@ -215,7 +221,8 @@ static bool measure(void *user, int grid_rung, int path_rung, double *square)
     struct plan tried = *scatter->plan;
 
     set_point(scatter, &tried, grid_rung, path_rung);
-    if (!measure_frame(scatter, &tried, scatter->worst, square)) return false;
+    if (!measure_frame(scatter, &tried, scatter->worst, square) && renderer_fault_is_final(scatter->fault))
+        return false;
     log_debug("plan: scattered light by %d cells, %d paths: error %.2e", tried.quality.scatter_grid,
               tried.quality.paths, sqrt(fmax(*square, 0.0)));
     return true;
@@ -232,7 +239,7 @@ static bool find_worst(struct plan_scatter *scatter, bool has_grid)
     for (int i = 0; i < scatter->frame_count && scatter->frame_count > 1; i++) {
         double square;
 
-        if (!measure_frame(scatter, &tried, i, &square)) return false;
+        if (!measure_frame(scatter, &tried, i, &square) && renderer_fault_is_final(scatter->fault)) return false;
         if (!(square > most)) continue;
         most = square;
         scatter->worst = i;

@@ -86,16 +86,18 @@ static int find_rungs(double noise, double allowed, int path_rung)
 static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
 {
     double wanted = walk->search->target * walk->search->target, coarse, fine;
-    struct parts parts;
+    struct parts parts = {.noise = INFINITY};
     int by = 0;
 
     if (!measure(walk, grid_rung, path_rung, &fine)) return false;
-    do {
+    while (parts.noise > wanted && is_affordable(walk, grid_rung, path_rung + 2)) {
         coarse = fine;
+        if (!measure(walk, grid_rung, path_rung + 2, &fine)) return false;
+        if (isinf(fine)) break;
         path_rung += 2;
-        if (!measure(walk, grid_rung, path_rung, &fine)) return false;
         parts = split(coarse, fine, grid_rung == SCATTER_PIXELS);
-    } while (parts.noise > wanted && is_affordable(walk, grid_rung, path_rung + 2));
+    }
+    if (isinf(parts.noise)) return true;
     if (parts.cells <= CELLS_SHARE * wanted) by = find_rungs(parts.noise, wanted - parts.cells, path_rung);
     keep(walk, grid_rung, path_rung + by, parts.cells + parts.noise * exp2(-by));
     return true;

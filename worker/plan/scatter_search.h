@@ -20,7 +20,7 @@ struct scatter_search {
     double evaluation_max; // paths that may be traced for all measurements together
     double list_pixels;    // that a measurement traces
     // Measures the square of the relative RMSE with 2^path_rung paths of each node of that grid (or SCATTER_PIXELS); it
-    // may be negative. False ends the search.
+    // may be negative, and INFINITY where that cannot be rendered. False ends the search.
     bool (*measure)(void *user, int grid_rung, int path_rung, double *square);
     void *user;
 };

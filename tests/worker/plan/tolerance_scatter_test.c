@@ -1,0 +1,109 @@
+// Frames of several orders of scattering keep their tolerance.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "tests/support/gl_stage.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+#include "worker/plan/tolerance.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 24, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX };
+
+static const char JOB[] =
+    "{\"version\":1,\"name\":\"white\",\"frames\":\"0\",\"fps\":24,\"resolution\":[24,18],\"background\":0,"
+    "\"camera\":{\"position\":[0.6,0.8,4],\"target\":[0,0,0],\"fov\":33},"
+    "\"lights\":[{\"kind\":\"point\",\"position\":[2,2.5,1.5],\"intensity\":20}],"
+    "\"scene\":{\"scattering\":{\"orders\":\"all\"},\"media\":[{\"density\":%s,\"sigma_s\":%s,\"sigma_a\":0.1,"
+    "\"phase\":[{\"g\":0.5}]}]},"
+    "\"quality\":{\"tolerance\":%g},\"output\":{\"path\":\"white.####.exr\",\"pixel\":\"float\"}}";
+static const char BALL[] = "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}";
+static const char NOISE[] = "{\"kind\":\"noise\",\"frequency\":1.5,\"octaves\":2,\"bounds\":{\"kind\":\"sphere\","
+                            "\"radius\":1,\"falloff\":0.3}}";
+
+// The frame's relative RMSE, by the product of its differences to two halves of the light.
+static double measure_error(const struct job *job, const struct image *image)
+{
+    const struct integrate_accuracy accuracy = {.relative = 0.02, .floor = 0.02};
+    struct error error = {{0}};
+    struct truth *truth = truth_open(&(struct truth_params){.job = job}, &error);
+    struct truth_pixel light[PIXELS];
+    struct pixel points[PIXELS];
+    double square = 0.0, all = 0.0;
+
+    if (!truth) fail_msg("%s", error.message);
+    for (int i = 0; i < PIXELS; i++)
+        points[i] = (struct pixel){i % WIDTH_PX, i / WIDTH_PX};
+    truth_measure_many(truth,
+                       &(struct truth_many){.points = points, .pixels = light, .count = PIXELS, .accuracy = &accuracy});
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        const struct truth_pixel *pixel = &light[i / 3];
+        double off = image->rgba[4 * (i / 3) + i % 3] - pixel->rgb[i % 3], half = pixel->half[i % 3];
+
+        square += off * off - half * half;
+        all += pixel->rgb[i % 3] * pixel->rgb[i % 3] - half * half;
+    }
+    truth_close(truth);
+    return sqrt(fmax(square, 0.0) / all);
+}
+
+static void check(const char *density, const char *sigma_s, double allowed)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct tolerance *tolerance = tolerance_create(stage.renderer);
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+    char text[2048];
+    double found;
+
+    snprintf(text, sizeof text, JOB, density, sigma_s, allowed);
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
+    if (!tolerance_render(tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image}, &result,
+                          &error))
+        fail_msg("%s", error.message);
+    found = measure_error(&job, &image);
+    print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e), %d cells, %d paths: %s\n", allowed, found,
+                  result.audit.error, result.audit.error95, result.quality.scatter_grid, result.quality.paths,
+                  result.reason);
+    assert_true(result.audit.error <= allowed);
+    assert_true(found <= 1.25 * allowed);
+    assert_true(found <= result.audit.error95);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_destroy(tolerance);
+    gl_stage_close(stage);
+}
+
+static void a_white_ball_keeps_its_tolerance(void **state)
+{
+    check(BALL, "2", 0.1);
+    check(BALL, "[1, 2, 4]", 0.05);
+}
+
+static void white_noise_keeps_its_tolerance(void **state)
+{
+    check(NOISE, "5", 0.05);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_white_ball_keeps_its_tolerance),
+        cmocka_unit_test(white_noise_keeps_its_tolerance),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
