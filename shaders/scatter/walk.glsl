@@ -8,12 +8,13 @@
 struct Walk {
     Spectrum light;
     Spectrum passed; // transmittance of the rays that begin at negative numbers
-    vec2 depth;      // the distances where it fell to one half, and their number
+    vec2 depth;      // the distances where it fell to one half, and their number; behind these rays, their mean and 1
     int path, order; // its number, and its scatterings so far
     vec3 origin, direction;
     float at; // distance along the flight
     Spectrum weight;
     uint random; // state of the random numbers
+    uint left;   // the shapes on whose boundary `origin` lies, a bit each
 };
 
 const int WALK_LIMIT = 3 * WALK_TURNS; // a flight to a light may go on to so many
@@ -23,7 +24,13 @@ const float WALK_WEAK = 0.25; // of a path's beginning: less of it ends at rando
 Walk walk_none(int passes)
 {
     return Walk(spectrum(0.0), spectrum(0.0), vec2(0.0), -passes - 1, 0, vec3(0.0), vec3(0.0, 0.0, 1.0), FAR_AWAY,
-                spectrum(0.0), 0u);
+                spectrum(0.0), 0u, 0u);
+}
+
+// The mean distance where most of the rays' transmittance fell to one half, and 1; else 0.
+vec2 walk_depth(vec2 depth, int passes)
+{
+    return 2.0 * depth.y > float(passes) ? vec2(depth.x / depth.y, 1.0) : vec2(0.0);
 }
 
 // What is weaker than `least` ends at random, and is weighted where it goes on, which keeps the mean.
@@ -61,6 +68,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
 {
     int kind = WALK_ON;
     vec3 vertex = vec3(0.0);         // where the path waits while lights are sampled there
+    uint left = 0u;
     vec3 ahead = vec3(0.0);          // its direction behind the vertex
     Spectrum behind = spectrum(0.0); // its weight
     WalkNear near = WalkNear(vec3(0.0), 0.0, 0.0, 0); // the vertex near a lamp that is next
@@ -75,11 +83,12 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         walk_random_resume(walk.random);
     }
     MediaSpans spans = media_spans(walk.origin, walk.direction);
-    float end = min(media_interval(spans).y, interval.y);
+    WalkWall wall = walk_wall(walk.origin, walk.direction, walk.left);
+    float end = min(min(media_interval(spans).y, interval.y), wall.at);
     float least = walk_least(end - max(media_interval(spans).x, interval.x)); // samples per metre
     for (int turn = 0; turn < (kind == WALK_ON ? WALK_TURNS : WALK_LIMIT) && walk.path < count; ++turn) {
         bool is_met = false; // the path is scattered, or the vertex near a lamp is reached
-        MediaField field;
+        WalkVertex met;
         // Rays that share a SIMD unit wait here for one another, so that they turn together.
         for (int flights = 0; flights < WALK_FLIGHTS && (walk.at < end || kind == WALK_NEAR); ++flights) {
             float rate = 0.0;
@@ -98,40 +107,51 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             if (rate <= 0.0 && !is_met) continue; // of a flight that goes on, nothing is known but that
             if (!is_met) walk.at += depth / rate;
             vec3 point = walk.origin + walk.at * walk.direction;
-            field = media_field(spans, point, walk.direction, walk.at);
+            met = walk_vertex(media_field(spans, point, walk.direction, walk.at));
             if (is_met) break;
-            if (field.distance < 0.0) {
+            if (met.field.distance < 0.0) {
                 float was = spectrum_mean(walk.weight);
                 if (kind != WALK_ON || walk.path < 0)
-                    walk.weight *= max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
+                    walk.weight *= max(1.0 - walk_extinction(met.field) / rate, spectrum(0.0));
                 else
-                    is_met = walk_meet(field, point, rate, walk);
+                    is_met = walk_meet(met.field, point, rate, walk);
                 if (is_met) break;
                 walk.weight = walk_thin(walk.weight, faint);
                 if (walk.path < 0 && was > 0.5 && spectrum_mean(walk.weight) <= 0.5) walk.depth += vec2(walk.at, 1.0);
                 if (spectrum_max(walk.weight) <= 0.0) break;
             }
-            walk.at += max(field.distance, 0.0);
+            walk.at += max(met.field.distance, 0.0);
         }
         bool is_over = walk.at >= end || spectrum_max(walk.weight) <= 0.0;
         if (!is_met && !is_over) continue;
+        if (!is_met && kind == WALK_ON && wall.at < FAR_AWAY && walk.at >= end && spectrum_max(walk.weight) > 0.0) {
+            if (walk.path >= 0) {
+                is_met = walk_meet_wall(wall, walk.origin + wall.at * walk.direction, walk.direction, met);
+                walk.at = wall.at;
+            } else if (walk.path >= -passes) {
+                if (spectrum_mean(walk.weight) > 0.5) walk.depth += vec2(wall.at, 1.0);
+                walk.weight = spectrum(0.0);
+            }
+        }
         interval = vec2(0.0, FAR_AWAY);
         if (is_met) {
             walk.origin += walk.at * walk.direction;
+            walk.left = met.left;
             LightSample light = LightSample(walk.direction, 0.0, spectrum(0.0));
             Spectrum lit = spectrum(0.0);
             if (kind == WALK_NEAR) {
-                lit = walk_lamp(near.lamp, walk.origin, walk.direction, field, walk.weight, light);
+                lit = walk_lamp(near.lamp, walk.origin, walk.direction, met, walk.weight, light);
                 kind = WALK_LAMP;
             } else {
                 ++walk.order;
                 vertex = walk.origin;
-                lit = walk_light(vertex, walk.direction, field, walk.weight, light);
+                left = walk.left;
+                lit = walk_light(vertex, walk.direction, met, walk.weight, light);
                 behind = spectrum(0.0);
                 nearby = spectrum(0.0);
                 if (walk.order < orders) {
-                    nearby = walk_near(vertex, walk.direction, field, walk.weight, near);
-                    behind = walk_thin(walk_scatter(field, walk.direction, walk.weight, ahead), WALK_WEAK);
+                    nearby = walk_near(vertex, walk.direction, met, walk.weight, near);
+                    behind = walk_thin(walk_scatter(met, walk.direction, walk.weight, ahead), WALK_WEAK);
                 }
                 kind = WALK_LIGHT;
             }
@@ -148,8 +168,10 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             if (kind == WALK_ON || spectrum_max(behind + nearby) <= 0.0) {
                 ++walk.path;
                 walk.order = 0;
+                if (walk.path == 0) walk.depth = walk_depth(walk.depth, passes);
                 WalkRay ray = walk_start(walk.path);
                 vertex = ray.origin;
+                left = 0u;
                 ahead = ray.direction;
                 begin = ray.interval;
                 behind = spectrum(1.0);
@@ -159,6 +181,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             bool is_near = spectrum_max(nearby) > 0.0;
             kind = is_near ? WALK_NEAR : WALK_ON;
             walk.origin = vertex;
+            walk.left = left;
             walk.direction = is_near ? near.direction : ahead;
             walk.weight = is_near ? nearby : behind;
             if (walk.order == 0) interval = begin;
@@ -169,15 +192,20 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         spans = media_spans(walk.origin, walk.direction);
         vec2 stretch = media_interval(spans);
         walk.at = max(stretch.x, interval.x);
-        end = min(stretch.y, interval.y);
+        wall = walk_wall(walk.origin, walk.direction, walk.left);
+        end = min(min(stretch.y, interval.y), wall.at);
         least = walk_least(end - walk.at);
+        if (kind != WALK_ON && wall.limit < interval.y) {
+            walk.weight = spectrum(0.0);
+            walk.at = end;
+        }
         if (kind == WALK_NEAR) {
             if (interval.y < stretch.x || interval.y >= stretch.y) walk.weight = spectrum(0.0);
             end = interval.y;
-            if (!WALK_TRACKS) {
-                walk.weight *= walk_passed(spans, end);
-                walk.at = end;
-            }
+        }
+        if (kind != WALK_ON && !WALK_TRACKS) {
+            walk.weight *= walk_passed(spans, interval.y);
+            walk.at = end;
         }
     }
     walk.random = walk_random_state;

@@ -150,6 +150,38 @@ static void noise_falls_evenly_beside_a_lamp(void **state)
     }
 }
 
+#define FLOOR                                                                                                          \
+    "{ \"kind\": \"plane\", \"point\": [0, -0.6, 0], \"material\": { \"kind\": \"diffuse\","                           \
+    " \"albedo\": [0.9, 0.5, 0.2] } }"
+#define WALL                                                                                                           \
+    "{ \"kind\": \"box\", \"center\": [0.7, 0, -0.6], \"size\": [0.3, 1.5, 0.4], \"material\": { \"kind\": "           \
+    "\"diffuse\","                                                                                                     \
+    " \"albedo\": 0.7 } }"
+
+// Diffuse surfaces are vertices as those in media are.
+static void diffuse_surfaces_are_right_on_the_average(void **state)
+{
+    static double truth[BIAS_CHECK_VALUES], noise[BIAS_CHECK_VALUES];
+    struct bias_check_scene scene = {
+        .media = EVEN, .lights = SUN LAMP, .objects = FLOOR ", " WALL, .quality = PATHS("8")};
+
+    (void)state;
+    bias_check_find_truth(&scene, truth);
+    assert_fair(&scene, truth, 256);
+    scene = (struct bias_check_scene){.media = NOISE ", " GLOW,
+                                      .lights = SUN LAMP,
+                                      .objects = FLOOR ", " WALL,
+                                      .orders = "\"all\"",
+                                      .noise = noise,
+                                      .quality = PATHS("16")};
+    bias_check_find_paths(&scene, 2048, truth, noise);
+    assert_fair(&scene, truth, 256);
+    scene.lights = NULL; // light that media emit
+    scene.orders = "3";
+    bias_check_find_paths(&scene, 2048, truth, noise);
+    assert_fair(&scene, truth, 256);
+}
+
 static void grids_are_right_on_the_average(void **state)
 {
     enum { X = 20, Y = 18, Z = 19 };
@@ -231,6 +263,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(noise_is_right_on_the_average),
         cmocka_unit_test(several_media_are_right_on_the_average),
         cmocka_unit_test(all_orders_are_those_of_the_reference),
+        cmocka_unit_test(diffuse_surfaces_are_right_on_the_average),
         cmocka_unit_test(lamps_inside_are_right_on_the_average),
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),

@@ -33,12 +33,13 @@ void bias_check_parse(struct job *job, const struct bias_check_scene *scene)
         "{ \"version\": 1, \"name\": \"bias\", \"frames\": \"0-9999\", \"fps\": 24, \"resolution\": [%d, %d],"
         " \"camera\": { \"position\": [0.1, 0.2, 4], \"target\": [0, 0, 0], \"fov\": 30 }, %s%s%s"
         " \"lights\": [ %s { \"kind\": \"point\", \"intensity\": 0, \"position\": { \"start\": [0, 9, 0],"
-        " \"rate\": [1, 0, 0] } } ], \"scene\": { \"scattering\": { \"orders\": %s }, \"media\": [ %s ] },"
+        " \"rate\": [1, 0, 0] } } ], \"scene\": { \"scattering\": { \"orders\": %s }, \"media\": [ %s ],"
+        " \"objects\": [ %s ] },"
         " \"quality\": { %s },"
         " \"output\": { \"path\": \"bias.####.exr\", \"pixel\": \"float\", \"aovs\": [\"Z\", \"transmittance\"] } }",
         BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, has_background ? "\"background\": " : "",
         scene->background ? scene->background : "0.3", has_background ? "," : "", scene->lights ? scene->lights : "",
-        scene->orders ? scene->orders : "1", scene->media, scene->quality);
+        scene->orders ? scene->orders : "1", scene->media, scene->objects ? scene->objects : "", scene->quality);
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 

@@ -18,6 +18,7 @@ struct bias_check_scene {
     const char *lights;     // elements of "lights", each with a comma behind it; NULL: none
     const char *quality;    // members of "quality"
     const char *background; // a value; NULL: 0.3; empty: none
+    const char *objects;    // elements of "scene.objects"; NULL: none
     const char *orders;     // of scattering, a value; NULL: 1
     const double *noise;    // standard errors of the truth, which widen what chance explains; NULL: it is exact
 };

@@ -126,8 +126,16 @@ static void add_tracking(struct scene_features *features, const struct job_quali
 // Paths replace marches of every kind.
 static void add_walk(struct scene_features *features, const struct job_quality *quality)
 {
-    if (quality->method != JOB_METHOD_PATHS || !features->has_media) return;
+    if (quality->method != JOB_METHOD_PATHS || features->medium_count == 0) return;
+    // Without a medium that is seen, an empty one is there.
+    if (!features->has_media && features->has_objects) features->has_media = features->media[0].is_seen = true;
+    if (!features->has_media) return;
     features->is_walked = features->has_majorants = true;
+    // Surfaces scatter what media emit, too.
+    for (size_t i = 0; i < features->object_count; ++i) {
+        features->surfaces_are_lit |= features->objects[i].is_lit;
+        features->is_rgb |= features->objects[i].is_lit && !features->objects[i].is_grey;
+    }
     features->tracks_to_lights = features->marches_to_lights;
     features->marches = features->marches_to_lights = false;
 }

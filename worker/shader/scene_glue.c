@@ -228,7 +228,7 @@ void scene_glue_write_main(FILE *out, const struct scene_model *model, bool has_
     if (model->features.is_walked) scene_glue_write_walk_slice(out, model);
     fputs("void main()\n{\n", out);
     if (has_frame_values) fputs("    frame_uniforms_read();\n", out);
-    if (model->features.has_objects)
+    if (model->features.has_objects && !model->features.is_walked)
         write_path_main(out, model);
     else
         write_media_main(out, model);

@@ -174,8 +174,11 @@ static void write_lit(FILE *out, const struct scene *scene, const struct scene_f
           out);
 }
 
-static void write_albedo(FILE *out, const struct scene *scene, const struct scene_features *features)
+void scene_glue_write_albedo(FILE *out, const struct scene_model *model)
 {
+    const struct scene *scene = &model->job->scene;
+    const struct scene_features *features = &model->features;
+
     fputs("Spectrum surface_albedo(int object, vec3 point, int shape)\n{\n", out);
     for (size_t i = 0; i < features->object_count; ++i) {
         if (!features->objects[i].is_lit) continue;
@@ -281,7 +284,7 @@ void scene_glue_write_path(FILE *out, const struct scene_model *model)
     write_gather(out, model);
     if (features->surfaces_are_lit) {
         write_lit(out, &model->job->scene, features);
-        write_albedo(out, &model->job->scene, features);
+        scene_glue_write_albedo(out, model);
     }
     if (features->has_paths) write_reflected(out, &model->job->scene, features);
     write_answer(out, features);

@@ -46,12 +46,20 @@ static void write_emission(FILE *out, const struct scene_model *model)
             model->features.has_emission ? "TRACKING_SAMPLES / max(length, 1e-30)" : "0.0");
 }
 
-// Writes the coefficient of scattering from a light, all media together.
+// Writes what scatters at a vertex: a surface's share of irradiance, or the media's coefficients, all together.
 static void write_scattered(FILE *out, const struct scene_model *model)
 {
-    fputs("Spectrum walk_scattered(MediaField field, vec3 incoming, vec3 outgoing)\n{\n"
-          "    Spectrum sum = spectrum(0.0);\n",
+    bool has_objects = model->features.has_objects;
+
+    fprintf(out, "Spectrum walk_scattering(WalkVertex vertex)\n{\n    return %swalk_scattering(vertex.field);\n}\n",
+            has_objects ? "vertex.left != 0u ? vertex.albedo : " : "");
+    fputs("Spectrum walk_scattered(WalkVertex vertex, vec3 incoming, vec3 outgoing)\n{\n"
+          "    MediaField field = vertex.field;\n    Spectrum sum = spectrum(0.0);\n",
           out);
+    if (has_objects)
+        fputs("    if (vertex.left != 0u) return vertex.albedo * (4.0 * INV_4PI * max(dot(vertex.normal, outgoing), "
+              "0.0));\n",
+              out);
     for (size_t i = 0; i < model->features.medium_count; ++i) {
         if (!model->features.media[i].scatters) continue;
         fprintf(out, "    sum += medium_%zu_sigma_s * (", i);
@@ -126,12 +134,12 @@ static void write_near(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
         count += has_near(model, i);
     write_near_find(out, model, count);
-    fputs("Spectrum walk_near(vec3 point, vec3 incoming, MediaField field, Spectrum weight, inout WalkNear near)\n{\n",
+    fputs("Spectrum walk_near(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout WalkNear near)\n{\n",
           out);
     if (count > 0) {
         write_near_draw(out, model, count, "about", "");
         fputs("    if (near.weight <= 0.0) return spectrum(0.0);\n"
-              "    return weight * near.weight * walk_scattered(field, incoming, near.direction);\n}\n",
+              "    return weight * near.weight * walk_scattered(vertex, incoming, near.direction);\n}\n",
               out);
     } else {
         fputs("    return spectrum(0.0);\n}\n", out);
@@ -146,7 +154,7 @@ static void write_near(FILE *out, const struct scene_model *model)
 
 static void write_passed(FILE *out, const struct scene_model *model)
 {
-    bool is_closed = model->features.media_are_lit && !model->features.tracks_to_lights;
+    bool is_closed = model->features.has_lights && model->features.has_extinction && !model->features.tracks_to_lights;
 
     fprintf(
         out,
@@ -155,20 +163,11 @@ static void write_passed(FILE *out, const struct scene_model *model)
         is_closed ? "media_transmittance(media_column_begin(spans, distance))" : "spectrum(1.0)");
 }
 
-static void write_closed(FILE *out, const struct scene_model *model)
-{
-    if (model->features.media_are_lit && !model->features.tracks_to_lights)
-        fputs(
-            "    lit *= walk_passed(media_spans(point, light.direction), light.distance);\n    light.distance = 0.0;\n",
-            out);
-    fputs("    return lit;\n}\n", out);
-}
-
 // Writes the light of the lamp near which a vertex was drawn.
 static void write_lamp(FILE *out, const struct scene_model *model)
 {
     fputs(
-        "Spectrum walk_lamp(int lamp, vec3 point, vec3 incoming, MediaField field, Spectrum weight, inout LightSample "
+        "Spectrum walk_lamp(int lamp, vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout LightSample "
         "light)\n{\n    Spectrum lit = spectrum(0.0);\n    float reach = 1.0;\n",
         out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
@@ -178,10 +177,10 @@ static void write_lamp(FILE *out, const struct scene_model *model)
                 "    if (lamp == %zu) {\n        light = light_%zu(point);\n        reach = walk_reach_%zu;\n    }\n",
                 i, i, i);
     if (model->features.media_are_lit)
-        fputs("    lit = weight * light.irradiance * walk_scattered(field, incoming, light.direction) *\n"
+        fputs("    lit = weight * light.irradiance * walk_scattered(vertex, incoming, light.direction) *\n"
               "          walk_near_part(light.distance * light.distance, reach);\n",
               out);
-    write_closed(out, model);
+    fputs("    return lit;\n}\n", out);
 }
 
 // Writes the sample of a dome. Directions are drawn by the phase functions, every other one of an image's by its light:
@@ -190,11 +189,11 @@ static void write_dome_sample(FILE *out, const struct scene_light *light, size_t
 {
     bool has_image = light_kind_of(light)->has_image;
 
-    fputs("        vec3 toward = incoming;\n        walk_scatter(field, incoming, weight, toward);\n", out);
+    fputs("        vec3 toward = incoming;\n        walk_scatter(vertex, incoming, weight, toward);\n", out);
     if (has_image) fprintf(out, "        if (walk_random() < 0.5) toward = light_%zu_draw();\n", i);
     fputs(
-        "        Spectrum share = weight * walk_scattered(field, incoming, toward);\n"
-        "        float density = spectrum_mean(share) / max(spectrum_mean(weight * walk_scattering(field)), 1e-30);\n",
+        "        Spectrum share = weight * walk_scattered(vertex, incoming, toward);\n"
+        "        float density = spectrum_mean(share) / max(spectrum_mean(weight * walk_scattering(vertex)), 1e-30);\n",
         out);
     if (has_image) fprintf(out, "        density = 0.5 * (density + light_%zu_density(toward));\n", i);
     fprintf(out,
@@ -214,11 +213,11 @@ static void write_light_sample(FILE *out, const struct scene_model *model, size_
     fprintf(out, "        LightSample candidate = light_%zu(point);\n", i);
     if (has_near(model, i))
         fprintf(out,
-                "        if (walk_reach_%zu > 0.0)\n            candidate.irradiance *= 1.0 - "
+                "        if (walk_reach_%zu > 0.0 && vertex.left == 0u)\n            candidate.irradiance *= 1.0 - "
                 "walk_near_part(candidate.distance * candidate.distance, walk_reach_%zu);\n",
                 i, i);
     fputs("        // Both directions of travel are reversed here, which leaves the angle between them as it is.\n"
-          "        Spectrum share = weight * candidate.irradiance * walk_scattered(field, incoming, "
+          "        Spectrum share = weight * candidate.irradiance * walk_scattered(vertex, incoming, "
           "candidate.direction);\n",
           out);
 }
@@ -227,11 +226,12 @@ static void write_light_sample(FILE *out, const struct scene_model *model, size_
 static void write_light(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
-    bool has_several = scene_features_count_lights(features) > 1, is_lit = features->media_are_lit;
+    bool has_several = scene_features_count_lights(features) > 1, is_lit = features->has_lights;
 
-    fputs("Spectrum walk_light(vec3 point, vec3 incoming, MediaField field, Spectrum weight, inout LightSample light)\n"
-          "{\n    Spectrum lit = spectrum(0.0);\n",
-          out);
+    fputs(
+        "Spectrum walk_light(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout LightSample light)\n"
+        "{\n    Spectrum lit = spectrum(0.0);\n",
+        out);
     if (has_several && is_lit) fputs("    float total = 0.0;\n", out);
     for (size_t i = 0; is_lit && i < model->job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
@@ -244,7 +244,7 @@ static void write_light(FILE *out, const struct scene_model *model)
               out);
     }
     if (has_several && is_lit) fputs("    lit *= total;\n", out);
-    write_closed(out, model);
+    fputs("    return lit;\n}\n", out);
 }
 
 static void write_lobe(FILE *out, const struct scene_model *model, size_t i, size_t k)
@@ -289,9 +289,14 @@ static void write_scatter(FILE *out, const struct scene_model *model)
 
     for (size_t i = 0; i < features->medium_count; ++i)
         count += features->media[i].scatters;
-    fputs("Spectrum walk_scatter(MediaField field, vec3 incoming, Spectrum weight, out vec3 outgoing)\n{\n"
-          "    float share = walk_random();\n    float less = 0.0;\n    Spectrum behind = spectrum(0.0);\n",
+    fputs("Spectrum walk_scatter(WalkVertex vertex, vec3 incoming, Spectrum weight, out vec3 outgoing)\n{\n"
+          "    MediaField field = vertex.field;\n",
           out);
+    if (features->has_objects)
+        fputs("    outgoing = vertex.normal;\n    if (vertex.left != 0u) {\n"
+              "        outgoing = walk_scatter_wall(vertex.normal);\n        return weight * vertex.albedo;\n    }\n",
+              out);
+    fputs("    float share = walk_random();\n    float less = 0.0;\n    Spectrum behind = spectrum(0.0);\n", out);
     if (count > 1) fputs("    float total = 0.0;\n    int chosen = -1;\n", out);
     for (size_t i = 0; i < features->medium_count; ++i) {
         if (!features->media[i].scatters) continue;
@@ -360,7 +365,7 @@ void scene_glue_write_walk(FILE *out, const struct scene_model *model)
     write_sum(out, model, "sigma_t", medium_features_have_column);
     write_sum(out, model, "sigma_s", scatters);
     write_emission(out, model);
-    if (model->features.media_are_lit) write_scattered(out, model);
+    if (model->features.has_lights) write_scattered(out, model);
     write_passed(out, model);
     write_near(out, model);
     write_lamp(out, model);

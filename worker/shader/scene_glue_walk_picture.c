@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-// `marks` holds the scatterings so far in 10 bits, up to 1023 of them, then the path's number, counted from 1 on.
+// `marks` holds the scatterings so far in 10 bits, up to 1023 of them, then the path's number, counted from 1 on. Rays
+// that are followed for their transmittance have no scatterings, but a number of depths.
 void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
 {
     const char *spectrum = model->features.is_rgb ? "xyz" : "x";
@@ -27,18 +28,21 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
           out);
     fprintf(out,
             "    walk = Walk(uintBitsToFloat(light.%s), uintBitsToFloat(passed.%s),\n"
-            "                uintBitsToFloat(uvec2(passed.w, origin.w)), int(light.w >> 10u) - passes - 1,\n"
+            "                vec2(uintBitsToFloat(passed.w), 0.0), int(light.w >> 10u) - passes - 1,\n"
             "                int(light.w & 1023u), uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),\n"
-            "                uintBitsToFloat(weight.w), uintBitsToFloat(weight.%s), direction.w);\n"
+            "                uintBitsToFloat(weight.w), uintBitsToFloat(weight.%s), direction.w, origin.w);\n"
+            "    if (walk.path < 0) {\n        walk.depth.y = float(walk.order);\n        walk.order = 0;\n"
+            "    } else {\n        walk.depth.y = walk.depth.x > 0.0 ? 1.0 : 0.0;\n    }\n"
             "    return true;\n}\n",
             spectrum, spectrum, spectrum);
     fputs("void walk_store(Walk walk, int passes, bool is_done)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
+          "    if (walk.path < 0) walk.order = int(walk.depth.y);\n"
           "    uint marks = is_done ? WALK_IS_DONE : (uint(walk.path + passes + 1) << 10u) | uint(min(walk.order, "
           "1023));\n"
           "    imageStore(slice_light, place, uvec4(floatBitsToUint(spectrum_rgb(walk.light)), marks));\n"
           "    if (is_done) return;\n"
           "    imageStore(slice_passed, place, floatBitsToUint(vec4(spectrum_rgb(walk.passed), walk.depth.x)));\n"
-          "    imageStore(slice_origin, place, floatBitsToUint(vec4(walk.origin, walk.depth.y)));\n"
+          "    imageStore(slice_origin, place, uvec4(floatBitsToUint(walk.origin), walk.left));\n"
           "    imageStore(slice_direction, place, uvec4(floatBitsToUint(walk.direction), walk.random));\n"
           "    imageStore(slice_weight, place, floatBitsToUint(vec4(spectrum_rgb(walk.weight), walk.at)));\n}\n",
           out);
@@ -48,7 +52,7 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
 static void write_sums(FILE *out, const struct scene_model *model)
 {
     const struct scene_camera *camera = &model->job->scene.camera;
-    bool dims = model->features.has_extinction;
+    bool dims = model->features.has_extinction || model->features.has_objects;
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
     fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
@@ -60,13 +64,18 @@ static void write_sums(FILE *out, const struct scene_model *model)
             "    walk_pixel = pixel;\n    walk_camera = WalkRay(camera.position, direction, clip);\n"
             "    int paths = int(quality_paths);\n    int passes = %s;\n"
             "    vec2 interval = span_meet(media_interval(spans), clip);\n"
-            "    Walk walk = walk_none(passes);\n    if (!walk_load(walk, passes)) discard;\n"
-            "    if (!(interval.x < interval.y && interval.y > 0.0)) {\n"
-            "        walk.passed = spectrum(float(passes));\n        walk.path = paths;\n    }\n"
+            "    Walk walk = walk_none(passes);\n    if (!walk_load(walk, passes)) discard;\n%s"
             "    bool is_done = walk_on(walk, passes, paths, %d);\n    walk_store(walk, passes, is_done);\n"
             "    march_was_cut = march_was_cut || path_iterations_are_spent();\n"
             "    if (!is_done && !march_was_cut) discard;\n",
-            dims ? "clamp(paths / 4, 1, 256)" : "0", model->job->scene.orders);
+            dims ? "clamp(paths / 4, 1, 256)" : "0",
+            model->features.has_objects
+                ? "    // A camera in an opaque object sees nothing.\n"
+                  "    if (surface_around(shape_spans(camera.position, direction)) != 0u) walk.path = paths;\n"
+                  "    pixel_sign(walk_wall(camera.position, direction, 0u).shapes);\n"
+                : "    if (!(interval.x < interval.y && interval.y > 0.0)) {\n"
+                  "        walk.passed = spectrum(float(passes));\n        walk.path = paths;\n    }\n",
+            model->job->scene.orders);
     fprintf(out, "    Spectrum light = walk.light / float(paths);\n    Spectrum passed = %s;\n",
             dims ? "walk.passed / float(passes)" : "spectrum(1.0)");
     if (dims) fputs("    pixel_is_dimmed = spectrum_mean(passed) < 1.0;\n", out);
@@ -85,7 +94,7 @@ void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
     fprintf(out, "), %s);\n", scene_has_behind(&model->job->scene) ? "1.0" : "1.0 - spectrum_mean(passed)");
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
     if (features->has_depth) {
-        fputs("    float half_way = 2.0 * walk.depth.y > float(passes) ? walk.depth.x / walk.depth.y : 0.0;\n", out);
+        fputs("    float half_way = walk.depth.x;\n", out);
         if (model->job->quality.samples > 1)
             fputs("    depth = vec2(half_way / length(toward), half_way > 0.0 ? 1.0 : 0.0);\n", out);
         else

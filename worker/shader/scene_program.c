@@ -147,7 +147,7 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, integrator_to_lights(assembly->model)->module);
     scene_glue_write_lights(generate(assembly), assembly->model);
     if (features->has_light_grids) add_light_grids(assembly);
-    if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->model);
+    if (features->has_objects && !features->is_walked) scene_glue_write_shadow(assembly->text.out, assembly->model);
 }
 
 // Adds how marches resume and stop.
@@ -174,6 +174,8 @@ static void add_walk(struct assembly *assembly)
     add_module(assembly, "scatter/random.glsl");
     add_module(assembly, "scatter/ray.glsl");
     add_module(assembly, "scatter/near.glsl");
+    if (model->features.has_objects) scene_glue_write_albedo(generate(assembly), model);
+    add_module(assembly, model->features.has_objects ? "scatter/vertex_surfaces.glsl" : "scatter/vertex_media.glsl");
     scene_glue_write_walk(generate(assembly), model);
     scene_glue_write_walk_start(assembly->text.out);
     add_module(assembly, "scatter/walk.glsl");
@@ -286,7 +288,7 @@ static bool assemble(struct scene_program *program, const char *shader_dir, stru
     if (program->model.features.has_objects) add_surfaces(&assembly);
     if (program->model.features.has_lights) add_lights(&assembly);
     if (program->model.features.has_media) add_integrator(&assembly);
-    if (program->model.features.has_objects) add_path(&assembly);
+    if (program->model.features.has_objects && !program->model.features.is_walked) add_path(&assembly);
     scene_glue_write_main(generate(&assembly), &program->model, program->uniforms.size_bytes > 0);
     memcpy(program->module_names, text->module_names, sizeof program->module_names);
     program->module_count = text->module_count;
