@@ -189,18 +189,12 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
 
     if (is_walked && !job_quality_states_method(&job->quality) && scene_find_code(&job->scene))
         return json_fail(&check.quality, error,
-<<<<<<< HEAD
                          "expected a method (paths), since nothing measures the error of a density in GLSL above "
                          "order 1");
-    if (is_walked && job->scene.object_count > 0)
-        return json_fail(&method, error, "not rendered yet: random paths in scenes with objects");
-=======
-                         "not rendered yet above order 1: state a method, paths or a march with a scatter_grid");
     if (is_walked && job->scene.object_count > 0 &&
         (job->quality.method != JOB_METHOD_PATHS || job->scene.medium_count == 0))
         return json_fail(&method, error,
                          "not rendered yet: scenes with objects above order 1, but by paths where there are media");
->>>>>>> c51caeae (scatter: diffuse surfaces are vertices of paths)
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
