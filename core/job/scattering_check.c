@@ -198,8 +198,13 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
-    for (size_t i = 0; i < job->scene.light_count; i++)
-        if (light_rules_of(job->scene.lights[i].kind)->has_size && job->quality.method != JOB_METHOD_PATHS)
+    for (size_t i = 0; i < job->scene.light_count; i++) {
+        const struct scene_light *light = &job->scene.lights[i];
+        bool is_even = light->kind == SCENE_LIGHT_DOME && light->dome.kind != SCENE_DOME_FILE;
+        bool is_shown = job->quality.method == JOB_METHOD_PATHS || (is_even && job->quality.scatter_grid > 0);
+
+        if (light_rules_of(light->kind)->has_size && !is_shown)
             return fail_light(&check, i, "kind", "not rendered yet by this method: only paths show it");
+    }
     return true;
 }

@@ -73,12 +73,17 @@ Spectrum scatter_walk_meet(inout ScatterWalk walk, float rate, int most)
         if (odds > 0.0) walk.weight *= max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds);
         return light;
     }
+    // The last flight only looks for the sky.
+    if (walk.scatterings + 2 > most) {
+        walk.weight = spectrum(0.0);
+        return light;
+    }
     walk.weight /= rate * odds;
     ++walk.scatterings;
     light += walk.weight * walk_lit(field, here, walk.direction);
     vec3 turned = walk.direction;
     walk_scatter(field, walk.direction, walk.weight, turned);
-    walk.weight = walk.scatterings + 1 < most ? scatter_walk_thin(walk.weight) : spectrum(0.0);
+    walk.weight = walk.scatterings + 1 < most || WALK_HAS_SKY ? scatter_walk_thin(walk.weight) : spectrum(0.0);
     scatter_walk_turn(walk, here, turned);
     return light;
 }
@@ -145,6 +150,7 @@ void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, i
         float rate = scatter_walk_fly(walk, -log(1.0 - share));
         if (rate > 0.0) sum += scatter_walk_meet(walk, rate, most);
         if (walk.at >= walk.end || spectrum_max(walk.weight) <= 0.0) {
+            if (walk.at >= walk.end) sum += walk.weight * walk_sky(walk.direction);
             goes = false;
             ++walks;
         }

@@ -2,6 +2,7 @@
 #include "worker/model/scene_features.h"
 
 #include "core/job/job.h"
+#include "core/scene/light_rules.h"
 #include "worker/density/density_kind.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/model/light_kind.h"
@@ -95,19 +96,23 @@ static void add_object(struct scene_features *features, const struct scene_objec
 }
 
 // Finds the visible lights. `scatters`: some medium does.
-static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters)
+static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters, bool has_walks)
 {
+    bool has_marched = false;
+
     for (size_t i = 0; i < scene->light_count; ++i) {
         bool is_behind = scene->lights[i].dome.is_visible;
         bool is_seen = (scatters || features->surfaces_are_lit || is_behind) && !light_kind_is_dark(&scene->lights[i]);
 
         features->dome_is_behind |= is_behind && is_seen;
         features->light_is_seen[i] = is_seen;
+        features->light_is_marched[i] = is_seen && !light_rules_of(scene->lights[i].kind)->has_size;
+        has_marched |= features->light_is_marched[i];
         features->has_lights |= is_seen;
         features->is_rgb |= is_seen && !light_kind_is_grey(&scene->lights[i]);
     }
     features->has_background |= features->dome_is_behind;
-    features->media_are_lit = scatters && features->has_lights;
+    features->media_are_lit = scatters && (has_walks ? features->has_lights : has_marched);
     features->surfaces_are_lit &= features->has_lights;
     for (size_t i = 0; i < features->object_count; ++i)
         features->is_rgb |=
@@ -158,7 +163,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     }
     for (size_t i = 0; i < scene->object_count; ++i)
         add_object(&features, &scene->objects[i], i);
-    add_lights(&features, scene, scatters);
+    add_lights(&features, scene, scatters, job->quality.method == JOB_METHOD_PATHS);
     features.has_scatter_grid = job->quality.scatter_grid > 0 && scene->orders > 1 && scatters &&
                                 (features.has_lights || features.has_emission);
     features.marches_to_lights &= features.has_lights;
@@ -178,7 +183,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_rgb |=
         features.has_background && !features.dome_is_behind && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
-        features.has_peaks |= features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square;
+        features.has_peaks |= features.light_is_marched[i] && light_kind_of(&scene->lights[i])->is_inverse_square;
     features.has_peaks &=
         features.marches && features.media_are_lit && !features.is_tracked && job->quality.method != JOB_METHOD_RIEMANN;
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
@@ -201,5 +206,14 @@ size_t scene_features_count_lights(const struct scene_features *features)
 
     for (size_t i = 0; i < SCENE_LIGHT_LIMIT; ++i)
         count += features->light_is_seen[i];
+    return count;
+}
+
+size_t scene_features_count_marched(const struct scene_features *features)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < SCENE_LIGHT_LIMIT; ++i)
+        count += features->light_is_marched[i];
     return count;
 }

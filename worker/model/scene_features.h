@@ -32,7 +32,8 @@ struct scene_features {
     size_t medium_count; // of the scene, visible or not
     struct object_features objects[SCENE_OBJECT_LIMIT];
     size_t object_count;
-    bool light_is_seen[SCENE_LIGHT_LIMIT]; // it is not black, and something scatters or is diffuse
+    bool light_is_seen[SCENE_LIGHT_LIMIT];    // it is not black, and something scatters or is diffuse
+    bool light_is_marched[SCENE_LIGHT_LIMIT]; // it is seen, and not from many directions at once
     bool has_media, has_lights, has_emission;
     bool has_objects;
     bool media_are_lit, surfaces_are_lit;
@@ -76,7 +77,8 @@ struct scene_features {
 struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded);
 // True when the picture can be drawn in slices.
 bool scene_features_can_be_sliced(const struct scene_features *features);
-size_t scene_features_count_lights(const struct scene_features *features); // visible ones
+size_t scene_features_count_lights(const struct scene_features *features);  // visible ones
+size_t scene_features_count_marched(const struct scene_features *features); // those that marches go to
 // True when the medium attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);
 // True when the medium's column has no closed form.

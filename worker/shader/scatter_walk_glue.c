@@ -2,6 +2,7 @@
 #include "worker/shader/scatter_walk_glue.h"
 
 #include "core/job/job.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scatter_grid.h"
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_gather.h"
@@ -72,7 +73,7 @@ static void write_lit(FILE *out, const struct scene_model *model)
           out);
     if (model->features.media_are_lit) scene_glue_write_densities(out, model);
     for (size_t i = 0; model->features.media_are_lit && i < model->job->scene.light_count; ++i) {
-        if (!model->features.light_is_seen[i]) continue;
+        if (!model->features.light_is_marched[i]) continue;
         fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", i);
         scene_glue_write_scattered(out, "        ", model);
         fputs("        source += scattered * light.irradiance * ", out);
@@ -80,6 +81,22 @@ static void write_lit(FILE *out, const struct scene_model *model)
         fputs(";\n    }\n", out);
     }
     fputs("    return source;\n}\n", out);
+}
+
+// Writes the light of domes, which walks see where they leave the media.
+static void write_sky(FILE *out, const struct scene_model *model)
+{
+    const struct scene *scene = &model->job->scene;
+
+    bool has_dome = false;
+
+    fputs("Spectrum walk_sky(vec3 toward)\n{\n    Spectrum light = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (model->features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_dome) {
+            fprintf(out, "    light += light_%zu_radiance(toward);\n", i);
+            has_dome = true;
+        }
+    fprintf(out, "    return light;\n}\nconst bool WALK_HAS_SKY = %s;\n", has_dome ? "true" : "false");
 }
 
 // Among several media one is drawn by its share of what is scattered.
@@ -135,6 +152,7 @@ void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const s
     fprintf(out, "const float WALK_SAMPLES = %s;\n", model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
     write_emission(out, model);
     write_lit(out, model);
+    write_sky(out, model);
     write_scatter(out, model, grid);
     write_first(out, grid);
     fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");

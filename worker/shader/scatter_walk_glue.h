@@ -11,6 +11,8 @@ struct scene_model;
 //   Spectrum walk_emission(MediaField field, vec3 point)              what media emit, per metre
 //   Spectrum walk_lit(MediaField field, vec3 point, vec3 direction)   lights' light that media scatter against
 //                                                                     `direction`, per metre
+//   Spectrum walk_sky(vec3 toward)                                    domes' light, where a walk leaves the media;
+//                                                                     WALK_HAS_SKY: there is some
 //   void walk_scatter(MediaField field, vec3 direction, inout Spectrum weight, out vec3 turned)
 //                     multiplies the weight by the scattering coefficient and draws where light comes from
 //   vec3 walk_first(int set, vec3 direction, vec2 draw)    draws from the phase function of a set of the grid's values

@@ -96,7 +96,7 @@ static void write_scattered_again(FILE *out, const char *indent, const struct sc
 static void write_cached_scattering(FILE *out, const struct scene_model *model)
 {
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
-        if (!model->features.light_is_seen[i]) continue;
+        if (!model->features.light_is_marched[i]) continue;
         fputs("    {\n", out);
         fputs("        LightSample light = ", out);
         scene_glue_light_write_sample(out, model, i);
@@ -113,7 +113,7 @@ static bool has_spots(const struct scene_model *model)
     bool found = false;
 
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
-        found |= model->features.light_is_seen[i] && light_kind_of(&model->job->scene.lights[i])->is_spot;
+        found |= model->features.light_is_marched[i] && light_kind_of(&model->job->scene.lights[i])->is_spot;
     return found;
 }
 
@@ -122,7 +122,7 @@ static bool has_spots(const struct scene_model *model)
 static void write_scattering(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
-    size_t count = scene_features_count_lights(features), iteration = 0;
+    size_t count = scene_features_count_marched(features), iteration = 0;
     bool is_loop = count > 1 || has_spots(model);
 
     if (is_loop)
@@ -131,7 +131,7 @@ static void write_scattering(FILE *out, const struct scene_model *model)
     else
         fputs("    {\n", out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
-        if (!features->light_is_seen[i]) continue;
+        if (!features->light_is_marched[i]) continue;
         if (is_loop)
             fprintf(out, "        if (iteration == %zu) light = ", iteration++);
         else
@@ -262,7 +262,7 @@ static void write_all_placed(FILE *out, const struct scene *scene, const struct 
     fputs(" > 0.0 ? PLACED_COUNT : 0;\n", out);
     begin_placed(out, features);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], model, i);
+        if (features->light_is_marched[i]) write_placed_scattering(out, &scene->lights[i], model, i);
     if (features->has_scatter_grid) write_placed_again(out, model);
     if (features->extinction_is_rgb) fputs("    }\n", out);
 }

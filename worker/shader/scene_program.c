@@ -103,7 +103,7 @@ static void add_placement(struct assembly *assembly)
     for (size_t i = 0; i < scene->light_count; ++i) {
         bool is_by_angle = light_kind_of(&scene->lights[i])->is_inverse_square;
 
-        if (!assembly->model->features.light_is_seen[i]) continue;
+        if (!assembly->model->features.light_is_marched[i]) continue;
         if (is_by_angle) add_module(assembly, "math/arc.glsl");
         add_module(assembly, is_by_angle ? "placement/angle.glsl" : "placement/transmittance.glsl");
     }
@@ -328,11 +328,11 @@ static bool add_grids(struct scene_program *program, const struct scene_model *m
     uint64_t densities = find_kept(program);
 
     if (!model->features.has_light_grids) return true;
-    program->light_grids = xcalloc(scene_features_count_lights(&model->features), sizeof *program->light_grids);
+    program->light_grids = xcalloc(scene_features_count_marched(&model->features) + 1, sizeof *program->light_grids);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         struct light_grid *grid = &program->light_grids[program->light_grid_count];
 
-        if (!model->features.light_is_seen[i]) continue;
+        if (!model->features.light_is_marched[i]) continue;
         light_grid_init(grid, model, i);
         grid->densities = densities;
         if (model == &program->model) light_grid_add_values(&program->uniforms, grid, grid->light);
