@@ -43,8 +43,8 @@ static void assert_fair(const struct bias_check_scene *scene, const double *trut
     struct bias_check_errors errors = bias_check_measure(scene, truth, frames);
 
     assert_true(fabs(errors.sigmas) < 3.5);
-    // Few bright values hold most of the variance, and colours share collisions.
-    assert_true(errors.chance > 0.2 && errors.chance < 1.9);
+    // Few bright values hold most of the variance, next to lamps most of all, and colours share collisions.
+    assert_true(errors.chance > 0.1 && errors.chance < 3);
     assert_true(errors.spread > 1e-3);
 }
 
@@ -120,7 +120,8 @@ static void lamps_inside_are_right_on_the_average(void **state)
     (void)state;
     assert_first_order(EVEN, INSIDE);
     assert_orders(EVEN, INSIDE, "\"all\"");
-    assert_orders(NOISE, INSIDE SPOT, "\"all\"");
+    assert_orders(NOISE, SPOT, "\"all\"");
+    assert_orders(NOISE, INSIDE, "\"all\"");
     assert_orders(EVEN ", " FRACTAL, INSIDE SUN, "4");
 }
 
