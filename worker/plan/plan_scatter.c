@@ -27,7 +27,7 @@ static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
 static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
 static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
-static const double PATHS_MOST = 3e7;  // that the search may trace: some ten seconds of a processor
+static const double PATHS_MOST = 6e6;  // that the search may trace: some seconds of a processor
 
 struct frame {
     int32_t number;

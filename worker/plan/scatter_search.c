@@ -8,7 +8,7 @@ const int scatter_grid_cells[SCATTER_GRID_RUNGS] = {4, 6, 8, 11, 16, 22, 32, 45,
 enum {
     GRID_FIRST = 4,       // 16 cells
     PATHS_FIRST = 4,      // 16 paths of each node,
-    PIXEL_PATHS_FIRST = 5 // and 32 of each pixel
+    PIXEL_PATHS_FIRST = 7 // and 128 of each pixel
 };
 
 // The share of the target's square that a grid's cells may take: the rest is for the paths.
@@ -96,6 +96,7 @@ static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
         if (isinf(fine)) break;
         path_rung += 2;
         parts = split(coarse, fine, grid_rung == SCATTER_PIXELS);
+        if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
     }
     if (isinf(parts.noise)) return true;
     if (parts.cells <= CELLS_SHARE * wanted) by = find_rungs(parts.noise, wanted - parts.cells, path_rung);
