@@ -140,6 +140,7 @@ start_daemon --workers 1 --worker-program "$(stub write:3600000)"
 expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\",\"range\":\"1-30\"}" | jq .result.retried)" 30
 has_in_hand() { [ "$(field "$first" .running)" "$1" 1 ]; }
 wait_until "frames are in hand beside the one that runs" has_in_hand -gt
+wait_until "one of them is begun" eval '[ "$(field "$first" .phase)" = render ]' # or all of them would come back
 ask daemon.drain >/dev/null
 wait_until "those that were not begun are back" has_in_hand -eq
 ask daemon.undrain >/dev/null
