@@ -7,6 +7,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/clients/shared_text.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/job_etas.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/workers/worker_pool.h"
@@ -33,6 +34,7 @@ struct events {
     struct loop_task sending_task; // sends the events of those below, one in a step
     struct job_record **sending;   // owned; likewise, from `sent` on; NULL: removed
     size_t sending_count, sending_capacity, sent;
+    struct job_etas sending_etas;
     struct json_writer writer; // of one event
 };
 
@@ -61,6 +63,7 @@ void events_destroy(struct events *events)
     free(events->subscriptions);
     free(events->changed);
     free(events->sending);
+    job_etas_finish(&events->sending_etas);
     json_writer_finish(&events->writer);
     free(events);
 }
@@ -144,14 +147,14 @@ static void end_event(struct events *events, int64_t job, bool is_frame)
     shared_text_release(text);
 }
 
-static void send_job(struct events *events, struct job_record *record)
+static void send_job(struct events *events, struct job_etas *etas, struct job_record *record)
 {
     struct json_writer *writer;
 
     if (events->count == 0) return;
     writer = begin_event(events, "job");
     json_write_key(writer, "job");
-    job_view_write(events->farm, record, writer);
+    job_view_write(events->farm, etas, record, writer);
     end_event(events, record->id, false);
 }
 
@@ -160,8 +163,11 @@ void events_note_job(struct events *events, struct job_record *record)
     enum job_state state = queue_job_state(record->queued);
 
     if (state != record->sent_state) {
+        struct job_etas etas = {0};
+
         record->sent_state = state;
-        send_job(events, record);
+        send_job(events, &etas, record);
+        job_etas_finish(&etas);
         return;
     }
     if (record->is_changed || events->count == 0) return;
@@ -200,8 +206,9 @@ static bool on_sending_step(struct loop_task *task)
     struct job_record *record = events->sent < events->sending_count ? events->sending[events->sent++] : NULL;
 
     if (record) record->is_changed = false;
-    if (record) send_job(events, record);
+    if (record) send_job(events, &events->sending_etas, record);
     if (events->sent < events->sending_count) return true;
+    job_etas_finish(&events->sending_etas);
     events->sending_count = 0;
     return false;
 }

@@ -7,7 +7,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/pool_access.h"
 #include "daemon/jobs/after_look.h"
-#include "daemon/schedule/eta.h"
+#include "daemon/jobs/job_etas.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/workers/worker_pool.h"
@@ -149,82 +149,15 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
     json_write_integer_member(writer, "missed", queued->states.missed_count);
 }
 
-static int count_workers(const struct farm *farm, const struct queue_job *job)
-{
-    int workers = worker_pool_usable_count(farm->pool, job->turn.barred);
-
-    return workers > 0 ? workers : 1;
-}
-
-static bool share_workers(const struct farm *farm, const struct queue_job *a, const struct queue_job *b)
-{
-    return (pool_access_all(farm) & ~a->turn.barred & ~b->turn.barred) != 0;
-}
-
-static double find_own_eta_s(const struct farm *farm, struct job_record *record)
+static void write_pace(const struct farm *farm, struct job_etas *etas, struct job_record *record,
+                       struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
-    int64_t left = queued->states.counts[FRAME_QUEUED] + queued->states.counts[FRAME_RUNNING];
+    double median_s = estimate_median_s(&record->estimate), eta_s = -1;
 
-    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, count_workers(farm, queued));
-}
-
-static struct eta_rival *find_rival(struct eta_rival **rivals, size_t *count, size_t *capacity,
-                                    const struct turns_owner *owner)
-{
-    for (size_t i = 0; i < *count; i++)
-        if ((*rivals)[i].owner == owner) return &(*rivals)[i];
-    *rivals = xgrow(*rivals, capacity, *count + 1, sizeof **rivals);
-    (*rivals)[*count] = (struct eta_rival){.owner = owner};
-    return &(*rivals)[(*count)++];
-}
-
-// With the jobs in front of it, whose frames its workers take first, and those of other owners beside it. Negative:
-// unknown.
-static double find_eta_s(const struct farm *farm, struct job_record *record)
-{
-    const struct queue_job *queued = record->queued, *job = NULL;
-    struct eta_params params = {.own_s = find_own_eta_s(farm, record),
-                                .owner = queued->turn.owner,
-                                .workers = count_workers(farm, queued),
-                                .half_life_s = (double)farm->options->half_life_ms / 1000};
-    struct eta_rival *rivals = NULL;
-    size_t capacity = 0;
-    bool is_known = params.own_s >= 0;
-
-    if (is_known && queued->states.counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
-        job = queue_first_job(farm->queue);
-    for (; is_known && job && job->priority >= queued->priority; job = job->next) {
-        bool is_own = job->turn.owner == queued->turn.owner, is_front = job->priority > queued->priority;
-        double other_s;
-
-        if (job == queued || !job->turn.is_ready || (is_own && !is_front && job->id > queued->id)) continue;
-        if (!share_workers(farm, job, queued)) continue;
-        other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
-        if (is_front)
-            params.front_s += other_s;
-        else if (is_own)
-            params.own_s += other_s;
-        else
-            find_rival(&rivals, &params.rival_count, &capacity, job->turn.owner)->seconds +=
-                other_s >= 0 ? other_s : HUGE_VAL;
-        is_known = other_s >= 0 || (!is_front && !is_own);
-    }
-    params.rivals = rivals;
-    if (is_known) params.own_s = eta_find_s(&params);
-    free(rivals);
-    return is_known ? params.own_s : -1;
-}
-
-static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)
-{
-    const struct queue_job *queued = record->queued;
-    double median_s = estimate_median_s(&record->estimate);
-    double eta_s = find_eta_s(farm, record);
-
+    if (queue_job_is_live(queued) && queued->wait == QUEUE_WAITS_NOT) eta_s = job_etas_find_s(etas, farm, record);
     json_write_number_member(writer, "seconds_per_frame", median_s > 0 ? median_s : NAN);
-    json_write_number_member(writer, "eta_s",
-                             queue_job_is_live(queued) && queued->wait == QUEUE_WAITS_NOT && eta_s >= 0 ? eta_s : NAN);
+    json_write_number_member(writer, "eta_s", eta_s >= 0 ? eta_s : NAN);
 }
 
 void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer)
@@ -272,7 +205,8 @@ static void write_outline(const struct job_record *record, struct json_writer *w
     write_counts(queued, writer);
 }
 
-void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+void job_view_write_members(const struct farm *farm, struct job_etas *etas, struct job_record *record,
+                            struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
     const struct in_flight_frame *frame = worker_pool_furthest_frame(farm->pool, record->id);
@@ -285,7 +219,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     json_write_string_member(writer, "range", range);
     write_pattern(record, writer);
     json_write_string_member(writer, "pool", record->pool);
-    write_pace(farm, record, writer);
+    write_pace(farm, etas, record, writer);
     job_view_write_phase(frame ? frame->phase : FRAME_PHASE_NONE, frame ? frame->phase_progress : -1.0, writer);
     json_write_string_member(writer, "reason", reason);
     write_after(record, writer);
@@ -307,9 +241,10 @@ void job_view_write_outline(const struct farm *farm, struct job_record *record, 
     free(reason);
 }
 
-void job_view_write(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+void job_view_write(const struct farm *farm, struct job_etas *etas, struct job_record *record,
+                    struct json_writer *writer)
 {
     json_write_begin_object(writer);
-    job_view_write_members(farm, record, writer);
+    job_view_write_members(farm, etas, record, writer);
     json_write_end_object(writer);
 }

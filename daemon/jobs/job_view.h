@@ -5,14 +5,18 @@
 #include "core/wire/frame_phase.h"
 
 struct farm;
+struct job_etas;
 struct job_record;
 struct json_writer;
 
-void job_view_write(const struct farm *farm, struct job_record *record, struct json_writer *writer);
+// `etas` is one for all jobs that are written at a time.
+void job_view_write(const struct farm *farm, struct job_etas *etas, struct job_record *record,
+                    struct json_writer *writer);
 // The members `phase` and `phase_progress`; null for FRAME_PHASE_NONE, and for a negative progress.
 void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer);
 // The members of the object without its braces.
-void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer);
+void job_view_write_members(const struct farm *farm, struct job_etas *etas, struct job_record *record,
+                            struct json_writer *writer);
 // Members that tell what became of the job, without those that may be long or soon wrong. `why` stands in place of its
 // reason; NULL: the job's own.
 void job_view_write_outline(const struct farm *farm, struct job_record *record, const char *why,

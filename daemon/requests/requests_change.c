@@ -11,6 +11,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
+#include "daemon/jobs/job_etas.h"
 #include "daemon/jobs/job_retry.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/output/output_claims.h"
@@ -30,9 +31,11 @@ static void on_change_committed(void *user, bool ok, const struct error *error)
 {
     struct pending_change *change = user;
     struct json_writer value = {0};
+    struct job_etas etas = {0};
 
     if (ok) {
-        job_view_write(change->farm, change->record, &value);
+        job_view_write(change->farm, &etas, change->record, &value);
+        job_etas_finish(&etas);
         answer_send_result(change->answer, &value);
         json_writer_finish(&value);
     } else {

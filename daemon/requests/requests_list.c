@@ -6,6 +6,7 @@
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/job_etas.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/requests/cursor.h"
@@ -35,12 +36,13 @@ struct job_list {
     int64_t limit;   // of jobs; INT64_MAX: none
     int64_t written, written_id, total;
     bool has_more; // than the page holds
+    struct job_etas etas;
     struct json_writer value;
 };
 
 static void write_job(struct job_list *list, struct job_record *record)
 {
-    job_view_write(list->farm, record, &list->value);
+    job_view_write(list->farm, &list->etas, record, &list->value);
     list->written++;
     list->written_id = record->id;
 }
@@ -128,6 +130,7 @@ static void write_end(struct job_list *list)
 static void destroy_list(struct job_list *list)
 {
     json_writer_finish(&list->value);
+    job_etas_finish(&list->etas);
     job_filter_finish(&list->filter);
     free(list->ids);
     free(list);

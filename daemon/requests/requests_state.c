@@ -5,6 +5,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/events.h"
+#include "daemon/jobs/job_etas.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/settings/options.h"
@@ -195,6 +196,7 @@ enum request_outcome requests_events_unsubscribe(struct request *request)
 enum request_outcome requests_job_show(struct request *request)
 {
     struct job_record *record = request_find_job(request);
+    struct job_etas etas = {0};
     char *document = NULL;
 
     if (!record) return REQUEST_FAILED;
@@ -204,7 +206,8 @@ enum request_outcome requests_job_show(struct request *request)
         !store_read_document(request->farm->reader, record->id, &document, &request->error))
         return REQUEST_FAILED;
     json_write_begin_object(request->result);
-    job_view_write_members(request->farm, record, request->result);
+    job_view_write_members(request->farm, &etas, record, request->result);
+    job_etas_finish(&etas);
     json_write_key(request->result, "document");
     if (document)
         json_write_raw(request->result, document, strlen(document));

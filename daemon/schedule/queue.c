@@ -217,11 +217,19 @@ bool queue_job_is_live(const struct queue_job *job)
     return state == JOB_QUEUED || state == JOB_RUNNING || state == JOB_PAUSED;
 }
 
+static struct queue_job *job_of(struct turns_job *turn)
+{
+    return turn ? (struct queue_job *)((char *)turn - offsetof(struct queue_job, turn)) : NULL;
+}
+
+struct queue_job *queue_next_ready(const struct queue *queue, const struct queue_job *job)
+{
+    return job_of(turns_next_ready(queue->turns, job ? &job->turn : NULL));
+}
+
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat)
 {
-    struct turns_job *turn = turns_choose(queue->turns, seat ? seat : &(struct turns_seat){0});
-
-    return turn ? (struct queue_job *)((char *)turn - offsetof(struct queue_job, turn)) : NULL;
+    return job_of(turns_choose(queue->turns, seat ? seat : &(struct turns_seat){0}));
 }
 
 // False when the search is to go on at another time. The job must have a queued frame.

@@ -91,6 +91,8 @@ enum job_state queue_job_state(const struct queue_job *job);
 bool queue_job_is_live(const struct queue_job *job); // queued, running or paused
 
 struct turns *queue_turns(struct queue *queue); // of its jobs
+// The jobs with frames to take, as turns_next_ready. NULL for `job`: the first; NULL: there are no more.
+struct queue_job *queue_next_ready(const struct queue *queue, const struct queue_job *job);
 // The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is a worker of kind 0.
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat);
 // Takes up to `max` frames of the job for `worker` (1..65535). They become FRAME_RUNNING and their attempt counts.

@@ -237,6 +237,15 @@ const struct turns_job *turns_first_of_lane(const struct turns_job *job)
     return job->lane->first;
 }
 
+struct turns_job *turns_next_ready(const struct turns *turns, const struct turns_job *job)
+{
+    if (job && job->next) return job->next;
+    if (job && job->lane->next) return job->lane->next->first;
+    for (int priority = job ? job->lane->priority - 1 : turns->top; priority >= 0; priority--)
+        if (turns->ready[priority]) return turns->ready[priority]->first;
+    return NULL;
+}
+
 bool turns_may_serve(const struct turns_seat *seat, const struct turns_job *job)
 {
     return !(job->barred >> seat->kind & 1);

@@ -82,6 +82,10 @@ bool turns_may_serve(const struct turns_seat *seat, const struct turns_job *job)
 // The owner's first of that priority and those barred kinds; the job is ready.
 const struct turns_job *turns_first_of_lane(const struct turns_job *job);
 
+// The jobs that are ready, lane by lane, the highest priority first; of a lane by id. NULL for `job`: the first; NULL:
+// there are no more. `job` is ready.
+struct turns_job *turns_next_ready(const struct turns *turns, const struct turns_job *job);
+
 // The job that the seat serves next; NULL: none. With a seat of nobody, the job that is first for any of its kind.
 // - Jobs of an owner and a priority that waited for the longest wait come first, once.
 // - Then the highest priority counts, then the owner who used the least for their weight; of an owner's jobs the first.

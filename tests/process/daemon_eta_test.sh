@@ -25,6 +25,13 @@ ask job.pause "{\"id\":$front}" >/dev/null
 # Its frames go on meanwhile, so what it takes alone is not quite what it was.
 check "no job waits for a paused one" "$(both "$behind" "$front")" '.[0] < .[1]'
 ask job.resume "{\"id\":$front}" >/dev/null
+# Of jobs of one owner and priority the first comes first, and a later one waits for all of them.
+for priority in 90 50; do
+    ask job.priority "{\"id\":$front,\"priority\":50}" >/dev/null
+    ask job.priority "{\"id\":$behind,\"priority\":$priority}" >/dev/null
+    check "the order at priority $priority" "$(both "$behind" "$front")" '.[1] > .[0]'
+done
+ask job.priority "{\"id\":$front,\"priority\":90}" >/dev/null
 third=$(submit "$(job 0-999 '.output.path = "c/c.####.exr" | .priority = 99')")
 wait_until "frames are done" has_done "$third" 8
 ask job.pause "{\"id\":$front}" >/dev/null

@@ -80,6 +80,29 @@ static void work(struct fixture *fixture, struct turns_seat *seat, struct turns_
     turns_charge(seat, (double)ms / 1000);
 }
 
+static void ready_jobs_are_walked_lane_by_lane(void **state)
+{
+    struct fixture *fixture = *state;
+    // Jobs 1 to 6; the fourth is not ready, and one lane is barred from a kind.
+    const struct turns_job *added[] = {add(fixture, ANNA, 50), add(fixture, BEN, 70), add(fixture, ANNA, 50),
+                                       add(fixture, ANNA, 50), add(fixture, ANNA, 0), add_for(fixture, ANNA, 1)};
+    const struct turns_job *job = NULL, *last = NULL;
+    int seen = 0;
+
+    turns_set_ready(fixture->turns, &fixture->jobs[3], false);
+    while ((job = turns_next_ready(fixture->turns, job))) {
+        if (last) assert_true(last->priority >= job->priority);
+        if (job == added[2]) assert_ptr_equal(last, added[0]); // of a lane by id, and nothing between
+        seen |= 1 << job->id;
+        last = job;
+    }
+    assert_int_equal(seen, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 5 | 1 << 6);
+    assert_ptr_equal(last, added[4]);
+    for (size_t i = 0; i < fixture->count; i++)
+        turns_set_ready(fixture->turns, &fixture->jobs[i], false);
+    assert_null(turns_next_ready(fixture->turns, NULL));
+}
+
 static void of_one_owner_priority_then_id_decides(void **state)
 {
     struct fixture *fixture = *state;
@@ -340,6 +363,7 @@ static void use_counts_wherever_it_was(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        TEST(ready_jobs_are_walked_lane_by_lane),
         TEST(of_one_owner_priority_then_id_decides),
         TEST(who_used_less_for_their_weight_is_first),
         TEST(half_of_the_use_is_forgotten_in_a_half_life),
