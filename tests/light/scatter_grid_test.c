@@ -290,7 +290,7 @@ static void a_grid_is_the_same_for_all(void **state)
     close_stage(&alone);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_orders_are_those_of_the_reference),
@@ -303,5 +303,6 @@ int main(void)
         cmocka_unit_test(a_grid_is_the_same_for_all),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
