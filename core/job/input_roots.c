@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/path_list.h"
 #include "core/job/job.h"
+#include "core/scene/file_format.h"
 #include "core/scene/input_path.h"
 
 #include <errno.h>
@@ -109,6 +110,16 @@ bool input_roots_find(struct job_inputs *inputs, const struct job_paths *paths, 
         ok = add_input(inputs, paths->paths[i].place, paths->paths[i].path, roots, error);
     if (!ok) job_inputs_finish(inputs);
     return ok;
+}
+
+bool job_inputs_need_converter(const struct job_inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        const struct file_format *format = file_format_find(inputs->inputs[i].path);
+
+        if (format && format->needs_converter) return true;
+    }
+    return false;
 }
 
 void job_inputs_finish(struct job_inputs *inputs)

@@ -43,6 +43,8 @@ struct job_inputs {
 // failure `inputs` is empty, and the message names the place, the path and the roots.
 bool input_roots_find(struct job_inputs *inputs, const struct job_paths *paths, const struct path_list *roots,
                       struct error *error);
+// True when a worker runs a program of OpenVDB's to read one of them.
+bool job_inputs_need_converter(const struct job_inputs *inputs);
 void job_inputs_finish(struct job_inputs *inputs); // accepts the empty value
 
 // Opens a folder below `root` (which itself may be reached through links) and never leaves the root: a link inside is

@@ -5,7 +5,6 @@
 #include "core/base/path_list.h"
 #include "core/job/input_roots.h"
 #include "core/json/json_write.h"
-#include "core/scene/file_format.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
@@ -34,22 +33,12 @@ struct job_fence {
     bool is_shared;
 };
 
-static bool needs_converter(const struct job_inputs *inputs)
-{
-    for (size_t i = 0; i < inputs->count; i++) {
-        const struct file_format *format = file_format_find(inputs->inputs[i].path);
-
-        if (format && format->needs_converter) return true;
-    }
-    return false;
-}
-
 static bool find_files(struct job_fence_files *files, const struct farm *farm, const struct job_record *record,
                        struct error *error)
 {
     *files = (struct job_fence_files){.job = record->id};
     files->is_found = input_roots_find(&files->inputs, &record->inputs, &farm->options->input_roots, error);
-    files->has_converter = needs_converter(&files->inputs);
+    files->has_converter = job_inputs_need_converter(&files->inputs);
     return files->is_found;
 }
 

@@ -116,7 +116,7 @@ static void write_fence(const struct job_inputs *inputs, const char *folder, str
     json_write_begin_array(writer);
     json_write_string(writer, cache);
     json_write_end_array(writer);
-    json_write_bool_member(writer, "converter", false);
+    json_write_bool_member(writer, "converter", job_inputs_need_converter(inputs));
     json_write_end_object(writer);
     message_end(writer);
     free(cache);
