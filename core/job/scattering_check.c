@@ -186,13 +186,14 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     const struct check check = check_of(job, document, error);
     struct json_node method = json_node_child(&check.quality, "method");
     bool is_walked = job->scene.orders > 1 || job->quality.method == JOB_METHOD_PATHS;
+    // A plan chooses among what is rendered.
+    bool is_paths = job->quality.method == JOB_METHOD_PATHS || !job_quality_states_method(&job->quality);
 
     if (is_walked && !job_quality_states_method(&job->quality) && scene_find_code(&job->scene))
         return json_fail(&check.quality, error,
                          "expected a method (paths), since nothing measures the error of a density in GLSL above "
                          "order 1");
-    if (is_walked && job->scene.object_count > 0 &&
-        (job->quality.method != JOB_METHOD_PATHS || job->scene.medium_count == 0))
+    if (is_walked && job->scene.object_count > 0 && (!is_paths || job->scene.medium_count == 0))
         return json_fail(&method, error,
                          "not rendered yet: scenes with objects above order 1, but by paths where there are media");
     for (size_t i = 0; i < job->scene.medium_count; i++)
@@ -201,7 +202,7 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     for (size_t i = 0; i < job->scene.light_count; i++) {
         const struct scene_light *light = &job->scene.lights[i];
         bool is_even = light->kind == SCENE_LIGHT_DOME && light->dome.kind != SCENE_DOME_FILE;
-        bool is_shown = job->quality.method == JOB_METHOD_PATHS || (is_even && job->quality.scatter_grid > 0);
+        bool is_shown = is_paths || (is_even && job->quality.scatter_grid > 0);
 
         if (light_rules_of(light->kind)->has_size && !is_shown)
             return fail_light(&check, i, "kind", "not rendered yet by this method: only paths show it");

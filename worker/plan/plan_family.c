@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_family.h"
 
+#include "core/job/scattering_check.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
 #include "worker/audit/truth_lengths.h"
@@ -316,7 +317,8 @@ bool plan_family_serves(const struct plan_family *family, const struct plan_scen
 
     if (!family->serves(scene)) return false;
     planned.quality = plan_family_quality(family, scene, &middle);
-    return step_check(&planned, &nowhere, NULL);
+    return step_check(&planned, &nowhere, NULL) &&
+           (!scene->is_scattered || scattering_check_is_rendered(&planned, &nowhere, NULL));
 }
 
 // The rung at which a walk begins: steps that would keep the tolerance if all axes had equal steps.

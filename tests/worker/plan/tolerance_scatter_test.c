@@ -21,9 +21,9 @@
 enum { WIDTH_PX = 24, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 static const char JOB[] =
-    "{\"version\":1,\"name\":\"white\",\"frames\":\"0\",\"fps\":24,\"resolution\":[24,18],\"background\":0,"
+    "{\"version\":1,\"name\":\"white\",\"frames\":\"0\",\"fps\":24,\"resolution\":[24,18],"
     "\"camera\":{\"position\":[0.6,0.8,4],\"target\":[0,0,0],\"fov\":33},"
-    "\"lights\":[{\"kind\":\"point\",\"position\":[2,2.5,1.5],\"intensity\":20}],"
+    "\"lights\":[{\"kind\":\"point\",\"position\":[2,2.5,1.5],\"intensity\":20}%s],"
     "\"scene\":{\"scattering\":{\"orders\":\"all\"},\"media\":[{\"density\":%s,\"sigma_s\":%s,\"sigma_a\":0.1,"
     "\"phase\":[{\"g\":0.5}]}]},"
     "\"quality\":{\"tolerance\":%g},\"output\":{\"path\":\"white.####.exr\",\"pixel\":\"float\"}}";
@@ -57,7 +57,7 @@ static double measure_error(const struct job *job, const struct image *image)
     return sqrt(fmax(square, 0.0) / all);
 }
 
-static void check(const char *density, const char *sigma_s, double allowed)
+static void check(const char *density, const char *sigma_s, const char *sky, double allowed)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
     struct tolerance *tolerance = tolerance_create(stage.renderer);
@@ -68,7 +68,7 @@ static void check(const char *density, const char *sigma_s, double allowed)
     char text[2048];
     double found;
 
-    snprintf(text, sizeof text, JOB, density, sigma_s, allowed);
+    snprintf(text, sizeof text, JOB, sky, density, sigma_s, allowed);
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
     assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
     if (!tolerance_render(tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image}, &result,
@@ -89,13 +89,20 @@ static void check(const char *density, const char *sigma_s, double allowed)
 
 static void a_white_ball_keeps_its_tolerance(void **state)
 {
-    check(BALL, "2", 0.1);
-    check(BALL, "[1, 2, 4]", 0.05);
+    check(BALL, "2", "", 0.1);
+    check(BALL, "[1, 2, 4]", "", 0.05);
 }
 
 static void white_noise_keeps_its_tolerance(void **state)
 {
-    check(NOISE, "5", 0.05);
+    check(NOISE, "5", "", 0.05);
+}
+
+static void media_under_a_sky_keep_their_tolerance(void **state)
+{
+    check(NOISE, "5", ",{\"kind\":\"dome\",\"gradient\":{\"along\":[0.2,0.4,0.9],\"against\":0.5},\"visible\":true}",
+          0.05);
+    check(BALL, "3", ",{\"kind\":\"sphere\",\"position\":[-2,0,2],\"radius\":0.5,\"intensity\":9}", 0.1);
 }
 
 int main(void)
@@ -103,6 +110,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_white_ball_keeps_its_tolerance),
         cmocka_unit_test(white_noise_keeps_its_tolerance),
+        cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
