@@ -299,7 +299,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
             &(struct scatter_search){.target = SHARE * job->quality.tolerance,
                                      .pixels = (double)job->width_px * job->height_px * job->quality.samples,
                                      .has_grid = has_grid,
-                                     .evaluation_max = PATHS_MOST,
+                                     .path_max = PATHS_MOST,
                                      .list_pixels = (double)pixel_count(scatter),
                                      .measure = measure,
                                      .user = scatter});

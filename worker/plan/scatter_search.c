@@ -41,7 +41,7 @@ static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
 {
     double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
 
-    return path_rung < SCATTER_PATH_RUNGS && walk->traced + nodes * exp2(path_rung) <= walk->search->evaluation_max;
+    return path_rung < SCATTER_PATH_RUNGS && walk->traced + nodes * exp2(path_rung) <= walk->search->path_max;
 }
 
 static void keep(struct walk *walk, int grid_rung, int path_rung, double square)

@@ -14,11 +14,11 @@ enum {
 extern const int scatter_grid_cells[SCATTER_GRID_RUNGS];
 
 struct scatter_search {
-    double target;         // the relative RMSE to keep
-    double pixels;         // of a frame, times their samples
-    bool has_grid;         // else only pixels have paths
-    double evaluation_max; // paths that may be traced for all measurements together
-    double list_pixels;    // that a measurement traces
+    double target;      // the relative RMSE to keep
+    double pixels;      // of a frame, times their samples
+    bool has_grid;      // else only pixels have paths
+    double path_max;    // paths that may be traced for all measurements together
+    double list_pixels; // that a measurement traces
     // Measures the square of the relative RMSE with 2^path_rung paths of each node of that grid (or SCATTER_PIXELS); it
     // may be negative, and INFINITY where that cannot be rendered. False ends the search.
     bool (*measure)(void *user, int grid_rung, int path_rung, double *square);

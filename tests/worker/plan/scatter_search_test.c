@@ -41,7 +41,7 @@ static struct scatter_finding search(struct terrain *terrain, double target, boo
     return scatter_search_run(&(struct scatter_search){.target = target,
                                                        .pixels = PIXELS,
                                                        .has_grid = has_grid,
-                                                       .evaluation_max = 1e9,
+                                                       .path_max = 1e9,
                                                        .list_pixels = 64,
                                                        .measure = measure,
                                                        .user = terrain});
