@@ -128,7 +128,7 @@ static void domes_are_those_of_the_reference(void **state)
     assert_true_to(NOISE, GRADIENT SUN, "\"all\"", 0.03);
 }
 
-// Only media give light here, and it is scattered once less.
+// Media's own light is scattered once less than a sky's.
 static void emitted_light_scatters_too(void **state)
 {
     static const char media[] = "{ \"sigma_s\": 2, \"sigma_a\": 1, \"emission\": 1, " LOBE("0.3");
@@ -136,6 +136,7 @@ static void emitted_light_scatters_too(void **state)
     (void)state;
     assert_true_to(media, "", "2", 0.01);
     assert_true_to(media, "", "\"all\"", 0.01);
+    assert_true_to(media, GRADIENT, "2", 0.01);
 }
 
 static void voxels_are_lit_by_all_orders(void **state)
