@@ -86,6 +86,13 @@ syntax:
     return false;
 }
 
+// A job has a number or a name there. Elsewhere a string that is replaced by a number stays a string: frames=48 means
+// "48".
+static bool is_number_or_name(const struct edit *edit)
+{
+    return strcmp(edit->path, "scene.scattering.orders") == 0;
+}
+
 static void write_value(struct edit *edit)
 {
     if (edit->value_is_json)
@@ -184,8 +191,8 @@ static bool write_edited_array(struct edit *edit, const struct json_node *array,
 static bool write_edited(struct edit *edit, const struct json_node *node, size_t step, struct error *error)
 {
     if (step == edit->step_count) {
-        // A string that is replaced by a number stays a string: frames=48 means "48".
-        if (json_node_type(node) == JSON_STRING && edit->value_is_number) edit->value_is_json = false;
+        if (json_node_type(node) == JSON_STRING && edit->value_is_number && !is_number_or_name(edit))
+            edit->value_is_json = false;
         write_value(edit);
         return true;
     }

@@ -7,8 +7,9 @@
 struct error;
 
 // `assignment` is PATH=VALUE: keys joined by dots, elements as [N]. VALUE is JSON, or else a string; a number that
-// replaces a string becomes a string. A missing key is added, an index equal to the array's count appends. Returns the
-// whole edited document as compact JSON, owned by the caller; NULL on failure, with `error` naming the place.
+// replaces a string becomes a string, but where a job may have either (scene.scattering.orders). A missing key is
+// added, an index equal to the array's count appends. Returns the whole edited document as compact JSON, owned by the
+// caller; NULL on failure, with `error` naming the place.
 char *json_set(const char *document, const char *assignment, struct error *error);
 // Returns the document without the object's member at `path`, owned by the caller, and its value as JSON, likewise, in
 // `*value` (may be NULL); NULL: there is none, and `*value` is as it was. An element of an array is no member.

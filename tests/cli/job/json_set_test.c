@@ -59,6 +59,16 @@ static void number_in_place_of_a_string_is_its_text(void **state)
     assert_edited("{\"fps\":24}", "fps=48", "{\"fps\":48}");
 }
 
+// Orders of scattering are "all" or a number.
+static void number_in_place_of_a_name_is_a_number(void **state)
+{
+    assert_edited("{\"scene\":{\"scattering\":{\"orders\":\"all\"}}}", "scene.scattering.orders=3",
+                  "{\"scene\":{\"scattering\":{\"orders\":3}}}");
+    assert_edited("{\"scene\":{\"scattering\":{\"orders\":3}}}", "scene.scattering.orders=all",
+                  "{\"scene\":{\"scattering\":{\"orders\":\"all\"}}}");
+    assert_edited("{\"orders\":\"all\"}", "orders=3", "{\"orders\":\"3\"}");
+}
+
 static void missing_keys_are_added_with_what_leads_to_them(void **state)
 {
     assert_edited("{}", "quality.step=0.5", "{\"quality\":{\"step\":0.5}}");
@@ -130,6 +140,7 @@ int main(void)
         cmocka_unit_test(value_at_a_path_is_replaced_and_the_rest_stays),
         cmocka_unit_test(value_that_is_no_json_is_a_string),
         cmocka_unit_test(number_in_place_of_a_string_is_its_text),
+        cmocka_unit_test(number_in_place_of_a_name_is_a_number),
         cmocka_unit_test(missing_keys_are_added_with_what_leads_to_them),
         cmocka_unit_test(index_equal_to_the_count_appends),
         cmocka_unit_test(nested_arrays_are_reached),
