@@ -38,6 +38,12 @@ static double greatest(const double value[static 3])
     return fmax(fmax(value[0], value[1]), value[2]);
 }
 
+// Where light goes that is scattered so often, counting emitted light as scattered once more than it is.
+static double *radiance_of(const struct walker *walker, int order)
+{
+    return walker->walk->beyond && order > walker->walk->parted ? walker->walk->beyond : walker->radiance;
+}
+
 static void advance(struct walker *walker, struct stretch *stretch, size_t medium)
 {
     double depth = -log1p(-stream_draw(walker->stream));
@@ -89,6 +95,7 @@ static void begin_stretch(struct walker *walker, struct stretch *stretch)
 static void meet_spheres(struct walker *walker, struct stretch *stretch, double at)
 {
     const struct still *still = walker->scene->still;
+    double *radiance = radiance_of(walker, walker->order);
 
     for (size_t i = 0; i < still->sphere_count; i++) {
         double share = 1.0;
@@ -98,19 +105,19 @@ static void meet_spheres(struct walker *walker, struct stretch *stretch, double 
         if (!is_beginning(walker))
             share = path_light_sphere_share(walker->scene, &walker->vertex, i, walker->ray.direction);
         for (int c = 0; c < 3; c++)
-            walker->radiance[c] += walker->throughput[c] * share * still->spheres[i].radiance[c];
+            radiance[c] += walker->throughput[c] * share * still->spheres[i].radiance[c];
     }
 }
 
 static void meet_dome(struct walker *walker)
 {
-    double light[3], share = 1.0;
+    double *radiance = radiance_of(walker, walker->order), light[3], share = 1.0;
 
     if (!walker->scene->still->has_dome || !meets_light(walker)) return;
     if (!is_beginning(walker)) share = path_light_dome_share(walker->scene, &walker->vertex, walker->ray.direction);
     dome_radiance(&walker->scene->still->dome, walker->ray.direction, light);
     for (int c = 0; c < 3; c++)
-        walker->radiance[c] += walker->throughput[c] * share * light[c];
+        radiance[c] += walker->throughput[c] * share * light[c];
 }
 
 // False: the path ends.
@@ -137,7 +144,7 @@ static bool scatter(struct walker *walker)
         vertex->throughput[c] = walker->throughput[c];
     if (walker->walk->on_vertex)
         walker->walk->on_vertex(walker->walk->user, walker->order, vertex->position, walker->throughput);
-    path_light_add(scene, vertex, walker->stream, walker->radiance);
+    path_light_add(scene, vertex, walker->stream, radiance_of(walker, walker->order));
     if (walker->order >= scene->orders && !still->has_dome && still->sphere_count == 0) return false;
     if (!survives(walker)) return false;
     for (int c = 0; c < 3; c++)
@@ -151,12 +158,12 @@ static bool scatter(struct walker *walker)
 static void add_glow(struct walker *walker, const struct path_medium *medium, struct vec3 position, double density,
                      double rate)
 {
-    double source[3];
+    double *radiance = radiance_of(walker, walker->order + 1), source[3];
 
     if (!medium->glows || walker->order >= walker->scene->orders) return;
     medium_source(medium->medium, position, density, source);
     for (int c = 0; c < 3; c++)
-        walker->radiance[c] += walker->throughput[c] * source[c] / rate;
+        radiance[c] += walker->throughput[c] * source[c] / rate;
 }
 
 enum event { EVENT_NONE, EVENT_SCATTERED, EVENT_ENDED };
@@ -242,7 +249,7 @@ static bool follow(struct walker *walker)
     if (stretch.is_inside) return false;
     if (walker->order < walker->scene->orders)
         path_peak_add(walker->scene, &walker->vertex, walker->near, fmin(walker->far, stretch.end), walker->stream,
-                      walker->radiance);
+                      radiance_of(walker, walker->order + 1));
     event = fly(walker, &stretch);
     if (event == EVENT_NONE) {
         meet_spheres(walker, &stretch, stretch.end);
@@ -275,6 +282,7 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
         walker.ray = (struct ray){walk->from->position, path_vertex_draw(walk->from, stream)};
     }
     while (follow(&walker)) {
+        if (walk->draws_most > 0 && stream->drawn > walk->draws_most) break;
     }
     return walker.looks;
 }

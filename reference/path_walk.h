@@ -20,6 +20,12 @@ struct path_walk {
     // `throughput` is that after it.
     void (*on_vertex)(void *user, int order, struct vec3 position, const double throughput[static 3]);
     void *user;
+    // Light that is scattered more often than `parted` times, and emitted light not once less, is added here instead;
+    // NULL: all of it is added to `radiance`. The draws are the same.
+    double *beyond; // 3
+    int parted;
+    // The path is given up, its estimate being worth nothing, once it has drawn more numbers; 0: never.
+    uint64_t draws_most;
 };
 
 // Adds one path's estimate to `radiance`: light scattered at most scene->orders times, and what glows at most orders -

@@ -51,14 +51,19 @@ static void find_behind(const struct still *still, const struct ray *ray, double
         behind[c] = (light[c] + (still->has_background ? still->background[c] : 0.0)) * share[c];
 }
 
+static struct path_walk walk_through(const struct paths *paths, double x, double y)
+{
+    const struct camera_pinhole *camera = &paths->scene.still->camera;
+
+    return (struct path_walk){
+        .ray = camera_pinhole_ray(camera, x, y), .near = camera->clip_near, .far = camera->clip_far, .is_seen = true};
+}
+
 void paths_measure_point(const struct paths *paths, double x, double y, long count, uint64_t seed,
                          struct paths_light *light)
 {
     const struct still *still = paths->scene.still;
-    struct path_walk walk = {.ray = camera_pinhole_ray(&still->camera, x, y),
-                             .near = still->camera.clip_near,
-                             .far = still->camera.clip_far,
-                             .is_seen = true};
+    struct path_walk walk = walk_through(paths, x, y);
     double squares[3] = {0.0, 0.0, 0.0}, behind[3];
 
     *light = (struct paths_light){0};
@@ -80,6 +85,30 @@ void paths_measure_point(const struct paths *paths, double x, double y, long cou
         light->mean[c] += behind[c];
         if (count > 1) light->error[c] = sqrt(squares[c] / ((double)count * (double)(count - 1)));
     }
+}
+
+bool paths_measure_parts(const struct paths *paths, const struct paths_parts_params *params, struct paths_parts *parts)
+{
+    struct path_walk walk = walk_through(paths, params->x, params->y);
+    double most = params->draws_most > 0.0 ? params->draws_most : INFINITY, behind[3];
+
+    *parts = (struct paths_parts){0};
+    walk.beyond = parts->beyond;
+    walk.parted = params->modelled;
+    for (long i = 0; i < params->count; i++) {
+        struct stream stream = stream_of(params->seed, (uint64_t)i);
+
+        if (isfinite(most)) walk.draws_most = (uint64_t)fmax(most - parts->draws, 1.0);
+        (void)path_walk_add(&paths->scene, &walk, &stream, parts->within);
+        parts->draws += (double)stream.drawn;
+        if (parts->draws > most) return false;
+    }
+    find_behind(paths->scene.still, &walk.ray, behind);
+    for (int c = 0; c < 3; c++) {
+        parts->within[c] = parts->within[c] / (double)params->count + behind[c];
+        parts->beyond[c] /= (double)params->count;
+    }
+    return true;
 }
 
 bool paths_measure_pixel(const struct still *still, int orders, int x, int y, long count, uint64_t seed,

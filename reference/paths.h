@@ -29,6 +29,23 @@ void paths_destroy(struct paths *paths); // accepts NULL
 // 0.5) is the centre of pixel (i, j).
 void paths_measure_point(const struct paths *paths, double x, double y, long count, uint64_t seed,
                          struct paths_light *light);
-// The same at a pixel's centre, the still being prepared for it alone; false when paths cannot follow it.
+struct paths_parts_params {
+    double x, y; // the point, as above
+    int modelled;
+    long count;
+    uint64_t seed;
+    double draws_most; // random numbers that may be drawn; 0: any number
+};
+
+// Light in two parts, of the same paths: what the two have in common has no noise in their difference.
+struct paths_parts {
+    double within[3]; // mean of what is scattered at most `modelled` times, with what lies behind everything
+    double beyond[3]; // mean of the rest, scattered more often
+    double draws;     // random numbers: each look at a density, towards lamps too, follows one of its own
+};
+
+// False when more than draws_most were drawn: the means are then worth nothing.
+bool paths_measure_parts(const struct paths *paths, const struct paths_parts_params *params, struct paths_parts *parts);
+// All of the light at a pixel's centre, the still being prepared for it alone; false when paths cannot follow it.
 bool paths_measure_pixel(const struct still *still, int orders, int x, int y, long count, uint64_t seed,
                          struct paths_light *light);

@@ -7,6 +7,7 @@
 
 struct stream {
     uint64_t state, step;
+    uint64_t drawn; // numbers so far
 };
 
 static inline uint64_t stream_mix(uint64_t value)
@@ -24,12 +25,13 @@ static inline struct stream stream_of(uint64_t seed, uint64_t number)
     step = stream_mix(start ^ 0xd1b54a32d192ed03u) | 1;
     // A step whose bits rarely change would count, not mix.
     if (__builtin_popcountll(step ^ (step >> 1)) < 24) step ^= 0xaaaaaaaaaaaaaaaau;
-    return (struct stream){start, step | 1};
+    return (struct stream){.state = start, .step = step | 1};
 }
 
 // Even in [0, 1): 53 random bits.
 static inline double stream_draw(struct stream *stream)
 {
     stream->state += stream->step;
+    stream->drawn++;
     return (double)(stream_mix(stream->state) >> 11) * 0x1p-53;
 }
