@@ -195,7 +195,8 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
                          "order 1");
     if (is_walked && job->scene.object_count > 0 && (!is_paths || job->scene.medium_count == 0))
         return json_fail(&method, error,
-                         "not rendered yet: scenes with objects above order 1, but by paths where there are media");
+                         "not rendered yet: scenes with objects above order 1, but by paths where there is a medium "
+                         "(one with sigma_s 0 will do)");
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
