@@ -1,13 +1,15 @@
 // Random numbers of one path: 64 bits of state, so that the paths of a picture do not share any. The generator and the
-// hash are those of math/random.glsl; the second half of the state chooses among 2^32 sequences.
+// hash are those of math/random.glsl; the second half of the state chooses among 2^32 sequences, another for each path
+// of a pixel. Plans and pictures have streams of their own.
 uint walk_random_state = 0u;
 uint walk_random_key = 0u;
 
 void walk_random_start(uvec2 pixel, uint path, uint index, uint frame)
 {
     uint place = pixel.x | (pixel.y << 16u);
-    walk_random_key = random_hash(random_hash(random_hash(place) + index) + frame);
-    walk_random_state = random_hash(random_hash(random_hash(place ^ 0x9e3779b9u) + path) + (frame ^ (index << 16u)));
+    uint moment = random_hash(random_hash(index + 0x85ebca6bu * uint(random_stream)) + frame);
+    walk_random_key = random_hash(random_hash(random_hash(place) + moment) + path);
+    walk_random_state = random_hash(random_hash(random_hash(place ^ 0x9e3779b9u) + path) + moment);
 }
 
 // Goes on with a path's numbers, where walk_random_start has begun them: its state was kept.

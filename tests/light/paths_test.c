@@ -55,12 +55,18 @@ static void close_stage(struct stage *stage)
     job_finish(&stage->job);
 }
 
+static void render_stream(struct stage *stage, int32_t frame, enum renderer_stream stream)
+{
+    if (!renderer_render(
+            stage->gl.renderer,
+            &(struct renderer_frame){.job = &stage->job, .frame = frame, .stream = stream, .image = &stage->image},
+            &stage->result, &stage->error))
+        fail_msg("%s", stage->error.message);
+}
+
 static void render(struct stage *stage, int32_t frame)
 {
-    if (!renderer_render(stage->gl.renderer,
-                         &(struct renderer_frame){.job = &stage->job, .frame = frame, .image = &stage->image},
-                         &stage->result, &stage->error))
-        fail_msg("%s", stage->error.message);
+    render_stream(stage, frame, RENDERER_STREAM_PICTURE);
 }
 
 // Tiles follow from what a renderer has drawn before, and pixels of a list share SIMD units with others than in the
@@ -111,6 +117,46 @@ static void a_list_has_the_pixels_of_the_frame(void **state)
     }
     image_finish(&list);
     close_stage(&whole);
+}
+
+// Renders a picture, and what a plan looks at. Returns the share of the lit values that are the same in both.
+static double share_alike(const char *quality)
+{
+    enum { VALUES = 4 * BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX };
+    const struct bias_check_scene scene = {
+        .media = NOISE, .lights = SUN, .orders = "\"all\"", .quality = quality, .background = ""};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    float picture[VALUES], again[VALUES];
+    double lit = 0, alike = 0, difference = 0, sum = 0;
+
+    render(&stage, 5);
+    memcpy(picture, stage.image.rgba, sizeof picture);
+    render_stream(&stage, 5, RENDERER_STREAM_PLAN);
+    for (size_t i = 0; i < VALUES; ++i) {
+        float value = stage.image.rgba[i];
+
+        if (i % 4 == 3 || picture[i] <= 0.0f || value <= 0.0f) continue;
+        lit += 1;
+        alike += picture[i] == value;
+        difference += (double)(value - picture[i]);
+        sum += (double)picture[i];
+    }
+    render_stream(&stage, 5, RENDERER_STREAM_PICTURE);
+    memcpy(again, stage.image.rgba, sizeof again);
+    assert_memory_equal(again, picture, sizeof picture);
+    assert_true(lit > 50);
+    assert_true(fabs(difference) < 0.2 * sum);
+    close_stage(&stage);
+    return alike / lit;
+}
+
+// Else a plan would choose the numbers of paths by the picture's luck.
+static void a_plan_draws_other_paths(void **state)
+{
+    (void)state;
+    assert_true(share_alike(PATHS("64")) < 0.05);
+    assert_true(share_alike("\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.1, \"scatter_grid\": 8,"
+                            " \"paths\": 64") < 0.05);
 }
 
 // No light is lost in a white medium, however thick: most of it comes back, and paths have thousands of scatterings.
@@ -168,6 +214,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_the_same_picture_for_all),
         cmocka_unit_test(a_list_has_the_pixels_of_the_frame),
+        cmocka_unit_test(a_plan_draws_other_paths),
         cmocka_unit_test(thick_white_media_come_to_an_end),
         cmocka_unit_test(alpha_and_depth_are_those_of_the_medium),
     };

@@ -288,8 +288,8 @@ static void list_outputs(const struct listing *listing)
 // True for values that change from frame to frame.
 static bool is_moving(const struct frame_value *value)
 {
-    return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX && value->origin != FRAME_VALUE_OF_PLAN &&
-           value->origin != FRAME_VALUE_GIVEN;
+    return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX && value->origin != FRAME_VALUE_STREAM &&
+           value->origin != FRAME_VALUE_OF_PLAN && value->origin != FRAME_VALUE_GIVEN;
 }
 
 static bool has_motion(const struct frame_uniforms *uniforms)

@@ -34,6 +34,7 @@ static const double PATHS_SHARE = 1.7;     // a half's standard error, relative 
 struct truth {
     struct job job; // the caller's with other limits of paths; never finished
     int32_t frame;
+    bool is_for_plan;
     struct truth_files files;
     bool is_ready;
     bool is_rough;        // some surface is rough: each sample is traced several times
@@ -130,6 +131,7 @@ struct truth *truth_open(const struct truth_params *params, struct error *error)
     }
     truth = xcalloc(1, sizeof *truth);
     truth->job = *params->job;
+    truth->is_for_plan = params->is_for_plan;
     truth->job.quality.max_depth = JOB_DEPTH_LIMIT;
     truth->job.quality.min_throughput = LEAST_THROUGHPUT;
     if (params->functions)
@@ -197,6 +199,14 @@ static long count_paths(const struct truth *truth, const struct paths_light *fir
     return (long)fmin(fmax(count, PATHS_MIN), PATHS_MAX);
 }
 
+// The seed of one of a sample's means of paths.
+static uint64_t seed_of_paths(const struct truth *truth, struct pixel pixel, int sample, int part)
+{
+    uint64_t seed = seed_of(truth, pixel.x, pixel.y, sample, part);
+
+    return truth->is_for_plan ? mix(seed) : seed;
+}
+
 // Two means of paths, independent of each other.
 static struct sample measure_paths(const struct truth *truth, struct pixel pixel, int index,
                                    const struct integrate_accuracy *accuracy)
@@ -207,11 +217,10 @@ static struct sample measure_paths(const struct truth *truth, struct pixel pixel
     struct paths_light first, halves[2];
     long count;
 
-    paths_measure_point(paths, point.x_px, point.y_px, PATHS_FIRST, seed_of(truth, pixel.x, pixel.y, index, 2), &first);
+    paths_measure_point(paths, point.x_px, point.y_px, PATHS_FIRST, seed_of_paths(truth, pixel, index, 2), &first);
     count = count_paths(truth, &first, accuracy);
     for (int i = 0; i < 2; i++)
-        paths_measure_point(paths, point.x_px, point.y_px, count, seed_of(truth, pixel.x, pixel.y, index, i),
-                            &halves[i]);
+        paths_measure_point(paths, point.x_px, point.y_px, count, seed_of_paths(truth, pixel, index, i), &halves[i]);
     for (int c = 0; c < 3; c++) {
         sample.rgb[c] = 0.5 * (halves[0].mean[c] + halves[1].mean[c]);
         sample.half[c] = 0.5 * (halves[0].mean[c] - halves[1].mean[c]);

@@ -21,6 +21,7 @@ bool truth_has_twin(const struct job *job);
 struct truth_params {
     const struct job *job; // borrowed; outlives the truth; its size and samples are those of the measured frames
     int32_t frame;
+    bool is_for_plan; // random paths have numbers of their own, so that audits know nothing of what plans went by
     // Twins of densities in GLSL, by medium. Borrowed; they outlive the truth. NULL: none.
     const struct still_function *functions;
 };

@@ -81,6 +81,9 @@ static void evaluate(const struct frame_uniforms *uniforms, const struct frame_v
     case FRAME_VALUE_SAMPLE_INDEX:
         components[0] = moment->sample_index;
         break;
+    case FRAME_VALUE_STREAM:
+        components[0] = moment->stream;
+        break;
     }
     if (uniforms->anchored && is_relative(value)) make_relative(value, uniforms->anchored, moment->time, components);
 }

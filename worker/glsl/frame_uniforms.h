@@ -22,7 +22,8 @@ enum frame_value_origin {
     FRAME_VALUE_OF_PLAN, // evaluate(), at any time; no motion
     FRAME_VALUE_GIVEN,   // `given`, which follows from a setting likewise
     FRAME_VALUE_FRAME_SEED,
-    FRAME_VALUE_SAMPLE_INDEX
+    FRAME_VALUE_SAMPLE_INDEX,
+    FRAME_VALUE_STREAM
 };
 
 // The moment that one pass over a frame shows.
@@ -30,6 +31,7 @@ struct frame_moment {
     double time; // s
     uint32_t frame_seed;
     int sample_index;
+    int stream; // of random numbers
 };
 
 // Computes a value from `source`, in double precision.

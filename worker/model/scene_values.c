@@ -249,6 +249,17 @@ static void evaluate_sample_rows(const void *source, double time, double value[s
     value[0] = rows;
 }
 
+// Adds the number that tells a picture's random paths from those that a plan is made by.
+static void add_stream(struct frame_uniforms *uniforms)
+{
+    const struct frame_value stream = {.type = FRAME_VALUE_FLOAT,
+                                       .origin = FRAME_VALUE_STREAM,
+                                       .max = value_range_any.max,
+                                       .meaning = "the stream of random numbers"};
+
+    frame_uniforms_add(uniforms, stream, "random_stream");
+}
+
 // Adds whole numbers, which floats hold exactly.
 static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
 {
@@ -263,6 +274,7 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
                                        .max = value_range_any.max,
                                        .meaning = "quality.samples"};
 
+    if (features->is_walked || features->fills_grid) add_stream(uniforms);
     if (!features->is_random) return;
     frame_uniforms_add(uniforms, seed, "frame_seed");
     frame_uniforms_add(uniforms, sample, "sample_index");

@@ -61,26 +61,40 @@ size_t plan_lattice_count(const struct plan_lattice *lattice)
     return (size_t)lattice->columns * (size_t)lattice->rows;
 }
 
-bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,
-                      const struct pixel *pixels, int columns, int rows, struct image *image,
-                      struct renderer_result *result, struct error *error)
+struct list {
+    const struct pixel *pixels;
+    int columns, rows;
+    enum renderer_stream stream;
+};
+
+static bool render(const struct list *list, const struct plan_params *params, const struct job *job, int32_t frame,
+                   struct image *image, struct renderer_result *result, struct error *error)
 {
     bool has_depth = job->output.has_depth, has_transmittance = job->output.has_transmittance;
 
-    if (!image_fits(image, columns, rows, has_depth, has_transmittance)) {
+    if (!image_fits(image, list->columns, list->rows, has_depth, has_transmittance)) {
         *result = (struct renderer_result){.fault = RENDERER_FAULT_FRAME};
         image_finish(image);
-        if (!image_init(image, columns, rows, has_depth, has_transmittance, error)) return false;
+        if (!image_init(image, list->columns, list->rows, has_depth, has_transmittance, error)) return false;
     }
     return renderer_render(params->renderer,
                            &(struct renderer_frame){.job = job,
                                                     .frame = frame,
-                                                    .pixels = pixels,
-                                                    .pixel_count = (size_t)columns * (size_t)rows,
+                                                    .stream = list->stream,
+                                                    .pixels = list->pixels,
+                                                    .pixel_count = (size_t)list->columns * (size_t)list->rows,
                                                     .image = image,
                                                     .on_progress = plan_small_on_tile,
                                                     .user = (void *)params},
                            result, error);
+}
+
+bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,
+                      const struct pixel *pixels, int columns, int rows, struct image *image,
+                      struct renderer_result *result, struct error *error)
+{
+    return render(&(struct list){pixels, columns, rows, RENDERER_STREAM_PICTURE}, params, job, frame, image, result,
+                  error);
 }
 
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
@@ -89,8 +103,8 @@ bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_p
     struct job single = *job;
 
     single.quality.samples = 1;
-    return plan_list_render(params, &single, frame, lattice->pixels, lattice->columns, lattice->rows, image, result,
-                            error);
+    return render(&(struct list){lattice->pixels, lattice->columns, lattice->rows, RENDERER_STREAM_PLAN}, params,
+                  &single, frame, image, result, error);
 }
 
 void plan_lattice_find(const struct plan_lattice *lattice, const struct pixel *points, size_t count,

@@ -29,11 +29,12 @@ void plan_lattice_seek_light(struct plan_lattice *lattice, const struct image *f
 void plan_lattice_finish(struct plan_lattice *lattice); // accepts an empty one
 size_t plan_lattice_count(const struct plan_lattice *lattice);
 
-// Renders the lattice's pixels of a frame into an image of columns x rows, with one sample. The image is allocated anew
-// if its size or channels differ. On failure `result` has the fault.
+// Renders the lattice's pixels of a frame into an image of columns x rows, with one sample and other random paths
+// than the frame's. The image is allocated anew if its size or channels differ. On failure `result` has the fault.
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
                          int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
-// The same for any list of pixels and an image of columns x rows, which are as many, with all samples of the job.
+// The same for any list of pixels and an image of columns x rows, which are as many, with all samples of the job: each
+// pixel is as the frame has it.
 bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,
                       const struct pixel *pixels, int columns, int rows, struct image *image,
                       struct renderer_result *result, struct error *error);

@@ -77,7 +77,8 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
                               const struct plan_lattice *lattice, const struct job *job, enum renderer_fault *fault,
                               struct error *error)
 {
-    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = frame->number}, error);
+    struct truth *truth =
+        truth_open(&(struct truth_params){.job = job, .frame = frame->number, .is_for_plan = true}, error);
     double rms = sqrt(frame->mean_square);
     double wanted = ACCURACY_SHARE * params->job->quality.tolerance;
     const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),

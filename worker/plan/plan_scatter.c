@@ -80,7 +80,8 @@ static double mean_square(const struct truth_pixel *pixels, size_t count)
 static bool measure_truth(struct plan_scatter *scatter, const struct job *job, int32_t number,
                           const struct integrate_accuracy *accuracy, struct truth_pixel *pixels)
 {
-    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = number}, &scatter->error);
+    struct truth *truth =
+        truth_open(&(struct truth_params){.job = job, .frame = number, .is_for_plan = true}, &scatter->error);
     size_t count = pixel_count(scatter), measured;
 
     scatter->fault = RENDERER_FAULT_FRAME;

@@ -63,11 +63,12 @@ struct parts {
     double noise, cells;
 };
 
-// `coarse` was measured with a fourth of the paths of `fine`. Paths of pixels have noise alone.
-static struct parts split(double coarse, double fine, bool is_of_pixels)
+// `coarse` was measured with so many rungs of paths fewer than `fine`: the more, the less does chance in what they are
+// compared with count. Paths of pixels have noise alone.
+static struct parts split(double coarse, double fine, int rungs, bool is_of_pixels)
 {
     static const double LEAST = 0.1; // two measurements may agree by chance
-    double noise = fmax((coarse - fine) / 3.0, LEAST * fmax(fine, 0.0));
+    double noise = fmax((coarse - fine) / (exp2(rungs) - 1.0), LEAST * fmax(fine, 0.0));
 
     if (is_of_pixels) return (struct parts){.noise = fmax(noise, fine)};
     return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0)};
@@ -87,15 +88,14 @@ static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
 {
     double wanted = walk->search->target * walk->search->target, coarse, fine;
     struct parts parts = {.noise = INFINITY};
-    int by = 0;
+    int first = path_rung, by = 0;
 
-    if (!measure(walk, grid_rung, path_rung, &fine)) return false;
+    if (!measure(walk, grid_rung, path_rung, &coarse)) return false;
     while (parts.noise > wanted && is_affordable(walk, grid_rung, path_rung + 2)) {
-        coarse = fine;
         if (!measure(walk, grid_rung, path_rung + 2, &fine)) return false;
         if (isinf(fine)) break;
         path_rung += 2;
-        parts = split(coarse, fine, grid_rung == SCATTER_PIXELS);
+        parts = split(coarse, fine, path_rung - first, grid_rung == SCATTER_PIXELS);
         if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
     }
     if (isinf(parts.noise)) return true;

@@ -32,9 +32,10 @@ static bool pack(const struct scene_program *scene, const struct frame_moment *m
     return true;
 }
 
-bool passes_plan(struct passes *passes, const struct scene_program *scene, const struct job *job, int32_t frame,
-                 struct error *error)
+bool passes_plan(struct passes *passes, const struct passes_params *params, struct error *error)
 {
+    const struct scene_program *scene = params->scene;
+    const struct job *job = params->job;
     size_t block_bytes = count_bytes(scene);
     bool differ = false;
 
@@ -42,9 +43,10 @@ bool passes_plan(struct passes *passes, const struct scene_program *scene, const
     passes->are_still = scene_is_constant(&job->scene) || job->scene.camera.shutter == 0.0;
     passes->blocks = xmalloc(((size_t)passes->count + 1) * block_bytes);
     for (int i = 0; i <= passes->count; ++i) {
-        const struct frame_moment moment = {.time = pixel_samples_time(job, frame, i),
-                                            .frame_seed = pixel_samples_frame_seed(job, frame),
-                                            .sample_index = i};
+        const struct frame_moment moment = {.time = pixel_samples_time(job, params->frame, i),
+                                            .frame_seed = pixel_samples_frame_seed(job, params->frame),
+                                            .sample_index = i,
+                                            .stream = params->stream};
         unsigned char *block = passes->blocks + (size_t)i * block_bytes;
 
         if (!pack(scene, &moment, block, error)) return false;

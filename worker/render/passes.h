@@ -18,9 +18,15 @@ struct passes {
     bool are_still; // the passes differ in the points of a pixel alone; then one more stands for all: its centre
 };
 
+struct passes_params {
+    const struct scene_program *scene;
+    const struct job *job;
+    int32_t frame;
+    int stream; // of random paths
+};
+
 // Finds the passes of a frame: one where all would show the same.
-bool passes_plan(struct passes *passes, const struct scene_program *scene, const struct job *job, int32_t frame,
-                 struct error *error);
+bool passes_plan(struct passes *passes, const struct passes_params *params, struct error *error);
 void passes_finish(struct passes *passes); // accepts an empty one
 // The pass that shows the centre of each pixel, for the caller to draw alone. It borrows its block from `passes`, whose
 // passes are still and several; never finished.

@@ -226,7 +226,12 @@ static bool render_frame(struct renderer *renderer, struct rendering *rendering,
     if (!(is_sliced ? scene_program_init_sliced : scene_program_init)(&scene, rendering->frame->job, &rendering->inputs,
                                                                       renderer->shader_dir, error))
         return false;
-    if (passes_plan(&passes, &scene, rendering->frame->job, rendering->frame->frame, error)) {
+    if (passes_plan(&passes,
+                    &(struct passes_params){.scene = &scene,
+                                            .job = rendering->frame->job,
+                                            .frame = rendering->frame->frame,
+                                            .stream = (int)rendering->frame->stream},
+                    error)) {
         drawing->fault = RENDERER_FAULT_NONE;
         ok = render_scene(renderer, rendering, &scene, &passes, error);
         result->seconds = clock_now_s() - start;

@@ -51,10 +51,14 @@ struct renderer_result {
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 
+// Whose random numbers paths follow: a plan that drew the picture's own would choose numbers by the picture's luck.
+enum renderer_stream { RENDERER_STREAM_PICTURE, RENDERER_STREAM_PLAN };
+
 // A frame to render, or some of its pixels. All that it points to is borrowed for the call.
 struct renderer_frame {
     const struct job *job;
     int32_t frame;
+    enum renderer_stream stream;
     // The pixels of a list, in any order, each as it is in the whole frame; NULL: all.
     const struct pixel *pixels;
     size_t pixel_count;

@@ -264,6 +264,32 @@ static void the_users_code_needs_a_twin(void **state)
     job_finish(&job);
 }
 
+// Light of several orders is a mean of random paths. An audit that followed those by which a plan was made would find
+// what the plan found.
+static void plans_and_audits_follow_paths_of_their_own(void **state)
+{
+    const struct integrate_accuracy rough = {.relative = 0.2};
+    struct truth_pixel pixels[2];
+    struct job job;
+
+    (void)state;
+    load(&job, "fog", 1.4);
+    job.scene.orders = 2;
+    for (int i = 0; i < 2; i++) {
+        struct truth *truth = truth_open(&(struct truth_params){.job = &job, .is_for_plan = i == 1}, NULL);
+
+        pixels[i] = truth_measure(truth, 12, 7, &rough);
+        truth_close(truth);
+    }
+    for (int c = 0; c < 3; c++) {
+        double noise = fmax(fabs(pixels[0].half[c]), fabs(pixels[1].half[c]));
+
+        assert_true(pixels[0].rgb[c] != pixels[1].rgb[c]);
+        assert_true(noise > 0.0 && fabs(pixels[0].rgb[c] - pixels[1].rgb[c]) < 0.5 * pixels[0].rgb[c]);
+    }
+    job_finish(&job);
+}
+
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
@@ -274,6 +300,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(threads_share_the_samples_of_one_pixel),
         cmocka_unit_test(rough_surfaces_have_a_variance),
         cmocka_unit_test(a_sequence_is_read_frame_by_frame),
+        cmocka_unit_test(plans_and_audits_follow_paths_of_their_own),
         cmocka_unit_test(the_users_code_needs_a_twin),
     };
 
