@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/beyond.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "reference/paths.h"
+#include "worker/audit/beyond_estimate.h"
+#include "worker/audit/truth.h"
+#include "worker/audit/truth_files.h"
+#include "worker/scene/pixel_samples.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum {
+    FRAMES_MOST = 3,
+    TRIALS = 32,
+    TRIAL_PATHS = 2,
+    PIXELS_LEAST = 64,
+    PIXELS_MOST = 1024,
+    HALF_LEAST = 8,
+    HALF_MOST = 64
+};
+
+static const double TRIAL_SHARE = 0.25; // of the draws that are allowed: for the trials' paths
+static const double SAFETY = 0.8;       // of what is left: the draws that are expected
+static const uint64_t TRIAL_SEED = 0x62f7b1c94d3e5a08u, SEED = 0x9d1c6e3b8a5f2471u;
+
+struct measuring {
+    const struct beyond_params *params;
+    struct truth_files files;
+    struct still *stills; // owned, as are the paths; one for each frame
+    struct paths *paths[FRAMES_MOST];
+    int frame_count;
+    double left;      // draws
+    int pixels, half; // to be measured; paths of each half of a pixel
+    struct job_beyond *beyond;
+    bool is_stopped;
+};
+
+static bool say(struct measuring *measuring, const char *why)
+{
+    snprintf(measuring->beyond->why, sizeof measuring->beyond->why, "%s", why);
+    return false;
+}
+
+static bool reads_sequence(const struct job *job)
+{
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        if (job->scene.media[i].density.kind == SCENE_DENSITY_GRID &&
+            scene_density_is_sequence(&job->scene.media[i].density))
+            return true;
+    return false;
+}
+
+// Light that no medium and no surface scatters has one order.
+static bool scatters(const struct still *still)
+{
+    if (still->objects.count > 0) return true;
+    for (size_t i = 0; i < still->medium_count; i++)
+        for (int c = 0; c < 3; c++)
+            if (still->media[i].sigma_s[c] > 0.0) return true;
+    return false;
+}
+
+// False with a reason, or where nothing is left out.
+static bool open_frames(struct measuring *measuring)
+{
+    const struct beyond_params *params = measuring->params;
+    const struct job *job = params->job;
+    bool is_one = reads_sequence(job), is_scattered = false;
+    int count = params->frame_count < FRAMES_MOST ? params->frame_count : FRAMES_MOST;
+    int first = is_one ? (count - 1) / 2 : 0;
+    struct error error = {{0}};
+
+    measuring->frame_count = is_one ? 1 : count;
+    measuring->stills = xcalloc(FRAMES_MOST, sizeof *measuring->stills);
+    if (!truth_files_load(&measuring->files, job, params->frames[first], &error)) return say(measuring, error.message);
+    for (int i = 0; i < measuring->frame_count; i++) {
+        double time = pixel_samples_middle(job, params->frames[first + i]);
+
+        still_init_with_inputs(&measuring->stills[i], job, time, &measuring->files.inputs);
+        is_scattered = is_scattered || scatters(&measuring->stills[i]);
+    }
+    measuring->beyond->is_known = !is_scattered;
+    for (int i = 0; i < measuring->frame_count && is_scattered; i++) {
+        measuring->paths[i] = paths_create(&measuring->stills[i], SCENE_ORDERS_ALL, &error);
+        if (!measuring->paths[i]) return say(measuring, error.message);
+    }
+    return is_scattered;
+}
+
+// Additive recurrence by the inverse powers of the plastic number: evenly spread, whatever the count.
+static double place(int index, double step, int size_px)
+{
+    double at = 0.5 + step * (double)(index + 1);
+
+    return floor((at - floor(at)) * size_px) + 0.5;
+}
+
+static bool walk(struct measuring *measuring, int index, uint64_t seed, long count, double most,
+                 struct paths_parts *parts)
+{
+    const struct job *job = measuring->params->job;
+    const struct paths_parts_params params = {.x = place(index, 0.7548776662466927, job->width_px),
+                                              .y = place(index, 0.5698402909980532, job->height_px),
+                                              .modelled = job->scene.orders,
+                                              .count = count,
+                                              .seed = seed + (uint64_t)index,
+                                              .draws_most = most};
+    bool ok = paths_measure_parts(measuring->paths[index % measuring->frame_count], &params, parts);
+
+    measuring->left -= parts->draws;
+    return ok;
+}
+
+static bool is_wanted(struct measuring *measuring)
+{
+    const struct beyond_params *params = measuring->params;
+
+    measuring->is_stopped = measuring->is_stopped || (params->on_progress && !params->on_progress(params->user));
+    return !measuring->is_stopped;
+}
+
+// Finds how many pixels and paths the draws suffice for, from what the trials' paths cost: those count for nothing else.
+static void count_pixels(struct measuring *measuring)
+{
+    double most = TRIAL_SHARE * measuring->left, spent = 0.0, affordable;
+    struct paths_parts parts;
+
+    for (int i = 0; i < TRIALS; i++) {
+        if (!is_wanted(measuring) || !walk(measuring, i, TRIAL_SEED, TRIAL_PATHS, most - spent, &parts)) return;
+        spent += parts.draws;
+        if (spent >= most) return;
+    }
+    affordable = SAFETY * measuring->left / 2.0 * (TRIALS * TRIAL_PATHS) / fmax(spent, 1.0);
+    measuring->half = (int)fmin(fmax(affordable / PIXELS_MOST, HALF_LEAST), HALF_MOST);
+    measuring->pixels = (int)fmin(affordable / measuring->half, PIXELS_MOST);
+}
+
+static bool measure_pixel(struct measuring *measuring, int index, struct beyond_sample *sample)
+{
+    struct paths_parts halves[2];
+
+    *sample = (struct beyond_sample){0};
+    for (int k = 0; k < 2; k++)
+        if (!(measuring->left > 0.0) ||
+            !walk(measuring, TRIALS + index, SEED + ((uint64_t)k << 32), measuring->half, measuring->left, &halves[k]))
+            return false;
+    for (int c = 0; c < 3; c++) {
+        double a = halves[0].beyond[c], b = halves[1].beyond[c];
+
+        sample->product += a * b / 3.0;
+        sample->square += 0.25 * (a + b) * (a + b) / 3.0;
+        sample->whole += (halves[0].within[c] + a) * (halves[1].within[c] + b) / 3.0;
+    }
+    return true;
+}
+
+static void conclude(struct measuring *measuring, const struct beyond_sample *samples, int count)
+{
+    struct beyond_verdict verdict = beyond_estimate(samples, (size_t)count, 2 * measuring->half);
+
+    if (isnan(verdict.error)) {
+        (void)say(measuring, "the frames that were looked at are black");
+        return;
+    }
+    *measuring->beyond = (struct job_beyond){.is_known = true, .error = verdict.error, .error95 = verdict.error95};
+}
+
+static void measure(struct measuring *measuring)
+{
+    struct beyond_sample *samples = xcalloc(PIXELS_MOST, sizeof *samples);
+    int count = 0;
+
+    count_pixels(measuring);
+    while (count < measuring->pixels && is_wanted(measuring) && measure_pixel(measuring, count, &samples[count]))
+        count++;
+    if (count >= PIXELS_LEAST)
+        conclude(measuring, samples, count);
+    else
+        (void)say(measuring, "the paths that would tell cost too much beside the job's work");
+    free(samples);
+}
+
+bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyond, double *drawn)
+{
+    const struct scene *scene = &params->job->scene;
+    struct measuring measuring = {.params = params, .left = params->draws_most, .beyond = beyond};
+
+    *beyond = (struct job_beyond){0};
+    if (scene->orders != SCENE_ORDERS_ALL) {
+        if (scene->medium_count == 0)
+            (void)say(&measuring, "the scene has no media");
+        else if (!truth_has_twin(params->job))
+            (void)say(&measuring, "a density in GLSL has no twin in the reference");
+        else if (open_frames(&measuring))
+            measure(&measuring);
+    }
+    for (int i = 0; i < measuring.frame_count; i++)
+        paths_destroy(measuring.paths[i]);
+    truth_files_finish(&measuring.files);
+    free(measuring.stills);
+    if (drawn) *drawn = params->draws_most - measuring.left;
+    return !measuring.is_stopped;
+}

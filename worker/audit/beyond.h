@@ -1,0 +1,27 @@
+// Measures how much of a job's light its modelled orders of scattering leave out, by whole paths in reference/.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/job/job_beyond.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct job;
+
+struct beyond_params {
+    const struct job *job;
+    const int32_t *frames; // that stand for all; where a file belongs to one frame each, only the middle one is read
+    int frame_count;       // >= 1
+    double draws_most;     // random numbers that may be drawn: looks at densities, and a few more
+    bool (*on_progress)(void *user); // may be NULL; called after each pixel; false: stop
+    void *user;
+};
+
+// Both pictures, that of the modelled orders and that of all, are those of the same paths, with one sample a pixel in
+// the middle of the shutter's time: the light that is left out is their difference, measured twice, by 8 to 64 paths, in
+// each of 64 to 1024 pixels that lie evenly in the picture. Both numbers follow from what some other paths cost.
+// Equal parameters give equal results. `drawn` (may be NULL) receives the random numbers that were drawn. False when it
+// was stopped. What cannot be measured says why: surfaces and densities that paths cannot follow, files that cannot be
+// read, black frames, too few draws.
+bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyond, double *drawn);
