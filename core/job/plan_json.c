@@ -93,7 +93,7 @@ static bool read_samples(struct plan_json *plan, const struct json_node *pilot, 
 
 bool plan_from_json(struct plan_json *plan, const struct json_node *object, const struct job *job, struct error *error)
 {
-    static const char *const keys[] = {"quality", "why", "before", "scouts", "pilot", NULL};
+    static const char *const keys[] = {"quality", "why", "before", "scouts", "pilot", "beyond", NULL};
     static const char *const pilot_keys[] = {"quality", "pixels", "frames", "change", "samples", NULL};
     struct json_node why = json_node_child(object, "why"), pilot = json_node_child(object, "pilot");
     const char *reason;
@@ -106,7 +106,8 @@ bool plan_from_json(struct plan_json *plan, const struct json_node *object, cons
     snprintf(plan->reason, sizeof plan->reason, "%s", reason);
     return read_before(plan, object, job, error) && read_scouts(plan, object, error) &&
            json_check_object(&pilot, error) && json_check_keys(&pilot, pilot_keys, error) &&
-           read_views(plan, &pilot, job, error) && read_samples(plan, &pilot, error);
+           read_views(plan, &pilot, job, error) && read_samples(plan, &pilot, error) &&
+           job_beyond_read(&plan->beyond, object, error);
 }
 
 static void write_number(struct json_writer *writer, double number)
@@ -159,5 +160,6 @@ void plan_to_json(struct json_writer *writer, const struct plan_json *plan, cons
     json_write_end_array(writer);
     json_write_key(writer, "pilot");
     write_pilot(writer, plan, job);
+    job_beyond_write(&plan->beyond, writer);
     json_write_end_object(writer);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "core/job/job_beyond.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -38,7 +39,8 @@ struct plan_json {
     // and noise of each.
     double samples[PLAN_JSON_SAMPLE_LIMIT][PLAN_JSON_SAMPLE_NUMBERS];
     int sample_count;
-    double sample_change; // the largest change of these pictures by finer steps, a relative RMSE
+    double sample_change;     // the largest change of these pictures by finer steps, a relative RMSE
+    struct job_beyond beyond; // what the modelled orders of scattering leave out
 };
 
 // Reads a plan for `job`, whose quality is of method auto. What no plan chooses is the job's: its samples, tolerance,

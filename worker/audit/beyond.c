@@ -4,11 +4,13 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "reference/path_scene.h"
 #include "reference/paths.h"
 #include "worker/audit/beyond_estimate.h"
 #include "worker/audit/truth.h"
 #include "worker/audit/truth_files.h"
 #include "worker/scene/pixel_samples.h"
+#include "worker/scene/scene_inputs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,8 +26,11 @@ enum {
     HALF_MOST = 64
 };
 
-static const double TRIAL_SHARE = 0.25; // of the draws that are allowed: for the trials' paths
-static const double SAFETY = 0.8;       // of what is left: the draws that are expected
+static const double TRIAL_SHARE = 0.25;  // of the draws that are allowed: for the trials' paths
+static const double SAFETY = 0.8;        // of what is left: the draws that are expected
+static const double VOXEL_DRAWS = 0.35;  // that take as long as reading a voxel
+static const double READING_SHARE = 0.5; // of the draws: for reading files
+static const char TOO_MUCH[] = "the paths that would tell cost too much beside the job's work";
 static const uint64_t TRIAL_SEED = 0x62f7b1c94d3e5a08u, SEED = 0x9d1c6e3b8a5f2471u;
 
 struct measuring {
@@ -40,10 +45,9 @@ struct measuring {
     bool is_stopped;
 };
 
-static bool say(struct measuring *measuring, const char *why)
+static void say(struct job_beyond *beyond, const char *why)
 {
-    snprintf(measuring->beyond->why, sizeof measuring->beyond->why, "%s", why);
-    return false;
+    snprintf(beyond->why, sizeof beyond->why, "%s", why);
 }
 
 static bool reads_sequence(const struct job *job)
@@ -55,7 +59,6 @@ static bool reads_sequence(const struct job *job)
     return false;
 }
 
-// Light that no medium and no surface scatters has one order.
 static bool scatters(const struct still *still)
 {
     if (still->objects.count > 0) return true;
@@ -65,31 +68,85 @@ static bool scatters(const struct still *still)
     return false;
 }
 
-// False with a reason, or where nothing is left out.
+bool beyond_needs_paths(const struct job *job, int32_t frame, struct job_beyond *beyond)
+{
+    struct still *still = xcalloc(1, sizeof *still);
+    struct error error = {{0}};
+
+    *beyond = (struct job_beyond){0};
+    if (job->scene.orders == SCENE_ORDERS_ALL) {
+        free(still);
+        return false;
+    }
+    still_init(still, job, pixel_samples_middle(job, frame));
+    if (job->scene.medium_count == 0)
+        say(beyond, "the scene has no media");
+    else if (!truth_has_twin(job))
+        say(beyond, "a density in GLSL has no twin in the reference");
+    else
+        beyond->is_known = !scatters(still);
+    // Only surfaces are known without files.
+    still->medium_count = 0;
+    if (!job_beyond_is_told(beyond) && !path_scene_is_possible(still, &error)) say(beyond, error.message);
+    free(still);
+    return !job_beyond_is_told(beyond);
+}
+
+// Draws that reading the frame's voxels takes as long as.
+static double count_reading(const struct job *job, int32_t frame)
+{
+    struct scene_inputs inputs = {0};
+    double sum = 0.0;
+
+    if (!scene_inputs_open(&inputs, job, frame, NULL, NULL, NULL)) return 0.0;
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const int *size = inputs.media[i].header.size;
+
+        if (inputs.media[i].source) sum += VOXEL_DRAWS * (double)size[0] * size[1] * size[2];
+    }
+    scene_inputs_finish(&inputs);
+    return sum;
+}
+
+static bool read_files(struct measuring *measuring, int32_t frame)
+{
+    const struct job *job = measuring->params->job;
+    double draws = count_reading(job, frame);
+    struct error error = {{0}};
+
+    if (draws > READING_SHARE * measuring->left) {
+        say(measuring->beyond, TOO_MUCH);
+        return false;
+    }
+    measuring->left -= draws;
+    if (truth_files_load(&measuring->files, job, frame, &error)) return true;
+    say(measuring->beyond, error.message);
+    return false;
+}
+
 static bool open_frames(struct measuring *measuring)
 {
     const struct beyond_params *params = measuring->params;
     const struct job *job = params->job;
-    bool is_one = reads_sequence(job), is_scattered = false;
+    bool is_one = reads_sequence(job);
     int count = params->frame_count < FRAMES_MOST ? params->frame_count : FRAMES_MOST;
-    int first = is_one ? (count - 1) / 2 : 0;
+    int middle = (count - 1) / 2, first = is_one ? middle : 0;
+    const struct still_inputs *inputs = params->inputs ? params->inputs : &measuring->files.inputs;
     struct error error = {{0}};
 
+    if (!params->inputs && !read_files(measuring, params->frames[middle])) return false;
     measuring->frame_count = is_one ? 1 : count;
     measuring->stills = xcalloc(FRAMES_MOST, sizeof *measuring->stills);
-    if (!truth_files_load(&measuring->files, job, params->frames[first], &error)) return say(measuring, error.message);
     for (int i = 0; i < measuring->frame_count; i++) {
         double time = pixel_samples_middle(job, params->frames[first + i]);
 
-        still_init_with_inputs(&measuring->stills[i], job, time, &measuring->files.inputs);
-        is_scattered = is_scattered || scatters(&measuring->stills[i]);
-    }
-    measuring->beyond->is_known = !is_scattered;
-    for (int i = 0; i < measuring->frame_count && is_scattered; i++) {
+        still_init_with_inputs(&measuring->stills[i], job, time, inputs);
         measuring->paths[i] = paths_create(&measuring->stills[i], SCENE_ORDERS_ALL, &error);
-        if (!measuring->paths[i]) return say(measuring, error.message);
+        if (measuring->paths[i]) continue;
+        say(measuring->beyond, error.message);
+        return false;
     }
-    return is_scattered;
+    return true;
 }
 
 // Additive recurrence by the inverse powers of the plastic number: evenly spread, whatever the count.
@@ -124,7 +181,7 @@ static bool is_wanted(struct measuring *measuring)
     return !measuring->is_stopped;
 }
 
-// Finds how many pixels and paths the draws suffice for, from what the trials' paths cost: those count for nothing else.
+// Finds how many pixels and paths the draws suffice for, from what the trials' paths cost: those count for nothing more.
 static void count_pixels(struct measuring *measuring)
 {
     double most = TRIAL_SHARE * measuring->left, spent = 0.0, affordable;
@@ -164,7 +221,7 @@ static void conclude(struct measuring *measuring, const struct beyond_sample *sa
     struct beyond_verdict verdict = beyond_estimate(samples, (size_t)count, 2 * measuring->half);
 
     if (isnan(verdict.error)) {
-        (void)say(measuring, "the frames that were looked at are black");
+        say(measuring->beyond, "the frames that were looked at are black");
         return;
     }
     *measuring->beyond = (struct job_beyond){.is_known = true, .error = verdict.error, .error95 = verdict.error95};
@@ -181,24 +238,15 @@ static void measure(struct measuring *measuring)
     if (count >= PIXELS_LEAST)
         conclude(measuring, samples, count);
     else
-        (void)say(measuring, "the paths that would tell cost too much beside the job's work");
+        say(measuring->beyond, TOO_MUCH);
     free(samples);
 }
 
 bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyond, double *drawn)
 {
-    const struct scene *scene = &params->job->scene;
     struct measuring measuring = {.params = params, .left = params->draws_most, .beyond = beyond};
 
-    *beyond = (struct job_beyond){0};
-    if (scene->orders != SCENE_ORDERS_ALL) {
-        if (scene->medium_count == 0)
-            (void)say(&measuring, "the scene has no media");
-        else if (!truth_has_twin(params->job))
-            (void)say(&measuring, "a density in GLSL has no twin in the reference");
-        else if (open_frames(&measuring))
-            measure(&measuring);
-    }
+    if (beyond_needs_paths(params->job, params->frames[0], beyond) && open_frames(&measuring)) measure(&measuring);
     for (int i = 0; i < measuring.frame_count; i++)
         paths_destroy(measuring.paths[i]);
     truth_files_finish(&measuring.files);

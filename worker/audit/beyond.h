@@ -8,15 +8,23 @@
 #include <stdint.h>
 
 struct job;
+struct still_inputs;
 
 struct beyond_params {
     const struct job *job;
     const int32_t *frames; // that stand for all; where a file belongs to one frame each, only the middle one is read
     int frame_count;       // >= 1
-    double draws_most;     // random numbers that may be drawn: looks at densities, and a few more
+    const struct still_inputs
+        *inputs;                     // files of the middle one, read already; NULL: they are read, as part of the draws
+    double draws_most;               // random numbers that may be drawn: looks at densities, and a few more
     bool (*on_progress)(void *user); // may be NULL; called after each pixel; false: stop
     void *user;
 };
+
+// True where paths tell: some order is not modelled, something scatters, and the scene's surfaces and densities are such
+// as paths can follow. Else `beyond` says why not, or that nothing is left out. Reads no files. Densities whose files are
+// needed may be refused by beyond_measure yet.
+bool beyond_needs_paths(const struct job *job, int32_t frame, struct job_beyond *beyond);
 
 // Both pictures, that of the modelled orders and that of all, are those of the same paths, with one sample a pixel in
 // the middle of the shutter's time: the light that is left out is their difference, measured twice, by 8 to 64 paths, in

@@ -149,6 +149,11 @@ void truth_close(struct truth *truth)
     free(truth);
 }
 
+const struct still_inputs *truth_inputs(const struct truth *truth)
+{
+    return &truth->files.inputs;
+}
+
 static uint64_t mix(uint64_t value)
 {
     value = (value ^ (value >> 31)) * 0x7fb5d329728ea185u;

@@ -34,6 +34,8 @@ struct truth *truth_open(const struct truth_params *params, struct error *error)
 // measured until a call succeeds.
 bool truth_seek(struct truth *truth, int32_t frame, struct error *error);
 void truth_close(struct truth *truth); // accepts NULL
+// What it has read of the frame's files; borrowed until it seeks or closes.
+const struct still_inputs *truth_inputs(const struct truth *truth);
 
 struct truth_pixel {
     double rgb[3]; // mean of the samples

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "core/job/job_beyond.h"
 #include "worker/picture/audit_result.h"
 
 #include <stdbool.h>
@@ -53,6 +54,7 @@ struct image_exr_header {
     double traced;             // as in struct frame_accuracy; 0: not written
     struct audit_result audit; // AUDIT_NONE: not written
     double sampling_error;     // relative RMSE due to the number of samples; 0: not measured
+    struct job_beyond beyond;  // what the modelled orders leave out; not known: not written
     const char *plan;          // how the method was chosen; NULL or empty: the job states it
     int64_t plan_number;       // 0: none
     const char *quality;       // the settings of a planned frame, as JSON; NULL or empty: none
@@ -88,7 +90,8 @@ struct image_exr_facts {
     // A kind other than AUDIT_NONE: the file has an error and names what it was compared with. Other numbers that it
     // lacks are NaN.
     struct audit_result audit;
-    double sampling_error; // 0: absent
+    double sampling_error;    // 0: absent
+    struct job_beyond beyond; // is_known: the file has both numbers
     char method[32];
     double step;
     char plan[IMAGE_EXR_PLAN_SIZE];

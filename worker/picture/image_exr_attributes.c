@@ -36,6 +36,16 @@ static void read_traced(exr_context_t context, struct image_exr_facts *facts)
     if (read_double(context, "marchd:traced", &share) && share > 0.0 && share <= 1.0) facts->traced = share;
 }
 
+static void read_beyond(exr_context_t context, struct image_exr_facts *facts)
+{
+    struct job_beyond found = {.is_known = true};
+
+    if (read_double(context, "marchd:beyond", &found.error) &&
+        read_double(context, "marchd:beyond95", &found.error95) && found.error >= 0.0 && found.error <= found.error95 &&
+        found.error95 <= 1.0)
+        facts->beyond = found;
+}
+
 static void read_fps(exr_context_t context, struct image_exr_facts *facts)
 {
     const exr_attribute_t *found;
@@ -99,6 +109,7 @@ void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *fa
     read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
     read_traced(context, facts);
     read_plan(context, facts);
+    read_beyond(context, facts);
     read_accuracy(context, facts);
 }
 

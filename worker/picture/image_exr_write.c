@@ -149,6 +149,10 @@ static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_h
     if (!result && header->plan_number > 0) result = set_plan(context, header);
     if (!result && header->is_draft) result = exr_attr_set_int(context, 0, "marchd:draft", 1);
     if (!result && header->traced > 0.0) result = exr_attr_set_double(context, 0, "marchd:traced", header->traced);
+    if (!result && header->beyond.is_known) {
+        result = exr_attr_set_double(context, 0, "marchd:beyond", header->beyond.error);
+        if (!result) result = exr_attr_set_double(context, 0, "marchd:beyond95", header->beyond.error95);
+    }
     if (!result && header->sampling_error > 0.0)
         result = exr_attr_set_double(context, 0, "marchd:samplingError", header->sampling_error);
     if (result || audit->kind == AUDIT_NONE) return result;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "core/job/job_beyond.h"
 #include "worker/picture/image_exr.h"
 #include "worker/plan/plan_scouting.h"
 #include "worker/plan/plan_search.h"
@@ -27,6 +28,8 @@ struct plan {
     double predicted_error;                       // relative RMSE: the quadratic mean over the segment's frames
     char reason[PLAN_REASON_SIZE];                // one sentence: why this plan and no other
     double work;                                  // evaluations of density per pixel, as plan_family_work counts them
+    double making_work;                           // evaluations of density for making the plan
+    struct job_beyond beyond;                     // what the modelled orders of scattering leave out
     double work_ratio;             // mean work of the segment's frames, some of which are refined, relative to `work`
     struct plan_scouting scouting; // which frames are refined
     size_t family;                 // index in plan_families

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_beyond.h"
 #include "worker/plan/plan_budget.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_family.h"
@@ -352,6 +353,7 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
         error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
                          "densities, numbers and files without NaN and infinity");
     }
+    if (ok) plan->making_work = plan_pilot_count_evaluations(pilot);
     if (ok)
         log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
                   "%d small renders",
@@ -400,7 +402,7 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     chosen.done = &done;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = (params->job->scene.orders == 1 ? choose_plan : choose_scattered)(plan, &chosen, fault, error);
-    ok = ok && plan_pixels_choose(plan, &chosen, fault, error);
+    ok = ok && plan_pixels_choose(plan, &chosen, fault, error) && plan_beyond_measure(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)
         ok = ok && plan_time_predict(plan, &chosen, fault, error) &&

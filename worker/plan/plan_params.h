@@ -9,6 +9,7 @@
 
 struct job;
 struct plan_evidence;
+struct truth;
 
 enum plan_choice {
     PLAN_CHOICE_CHEAPEST, // the setting with the least work that keeps the tolerance
@@ -23,6 +24,7 @@ struct plan_params {
     enum plan_choice choice;
     bool is_timed;                  // predicts seconds too, by rendering some frames larger
     struct plan_evidence *evidence; // NULL, or where to leave the evidence for audits; empty before
+    struct truth **truth;           // NULL, or where to leave a truth of the planned job, if one is opened; NULL before
     double *done;                   // NULL, or where to note how much of the plan is made, from 0 to 1
     bool tells_renders;             // without `done`: on_progress is told the share of each render that is done
     renderer_progress *on_progress; // may be NULL; called with what `done` has, else 0; false stops

@@ -22,7 +22,7 @@ static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
-static const char FORMAT[] = "marchd plan 6 of " MARCHD_VERSION;
+static const char FORMAT[] = "marchd plan 7 of " MARCHD_VERSION;
 
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE])
 {
@@ -60,7 +60,8 @@ void plan_shared_describe(struct plan_json *shared, const struct plan *plan, con
                                  .view_quality = evidence->finest,
                                  .view_pixels = evidence->pixel_limit,
                                  .view_count = evidence->view_count,
-                                 .sample_change = evidence->pool.change};
+                                 .sample_change = evidence->pool.change,
+                                 .beyond = plan->beyond};
     shared->quality.pixels = plan->pixels;
     memcpy(shared->reason, plan->reason, sizeof shared->reason);
     memcpy(shared->scout_errors, plan->scouting.error, sizeof shared->scout_errors);
@@ -133,7 +134,8 @@ bool plan_shared_adopt(struct plan *plan, struct plan_evidence *evidence, const 
     *plan = (struct plan){.quality = shared->quality,
                           .pixels = shared->quality.pixels,
                           .has_before = shared->has_before,
-                          .before = shared->before};
+                          .before = shared->before,
+                          .beyond = shared->beyond};
     plan->quality.pixels = (struct job_pixels){0};
     if (!plan_lookup(&scene, &shared->quality, &plan->family, &plan->point)) {
         error_set(error, "expected settings that a plan of this version chooses");
@@ -184,6 +186,7 @@ void plan_shared_replace(struct plan_json *shared, const struct plan *plan, int3
     }
     next.has_before = found->has_before;
     next.before = found->before;
+    next.beyond = plan->beyond;
     plan_shared_describe(shared, &next, evidence);
     memcpy(shared->reason, found->reason, sizeof shared->reason);
     // Of settings to which no frame returns.

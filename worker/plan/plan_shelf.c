@@ -86,6 +86,7 @@ static bool make(struct plan_shelf *shelf, const struct plan_shelf_params *param
     drop_use(kept);
     if (params->on_plan) params->on_plan(params->user);
     plan_params.evidence = &kept->evidence;
+    plan_params.truth = &kept->truth;
     if (!plan_make(&kept->plan, &plan_params, fault, error)) return false;
     plan_shared_describe(&kept->newest, &kept->plan, &kept->evidence);
     if (!number_newest(shelf, params, kept, kept->newest_number, fault, error)) return false;

@@ -28,7 +28,7 @@ struct plan_kept {
     int64_t number; // of what follows; 0: none
     struct plan plan;
     struct plan_evidence evidence;
-    struct truth *truth; // owned; NULL until a frame is audited, or without a twin
+    struct truth *truth; // owned; NULL until the plan or an audit opens it, or without a twin
 };
 
 // The zero value is empty.

@@ -10,6 +10,7 @@
 #include "worker/plan/finite_check.h"
 #include "worker/plan/frame_audit.h"
 #include "worker/plan/miss.h"
+#include "worker/plan/plan_beyond.h"
 #include "worker/plan/plan_lookup.h"
 #include "worker/plan/plan_pixels.h"
 #include "worker/plan/plan_probe.h"
@@ -32,7 +33,9 @@ static const double BLAMED = 0.71;
 struct tolerance {
     struct renderer *renderer; // borrowed
     struct plan_shelf shelf;
-    int64_t finite_serial; // the last job that states its method and whose light was found finite; 0: none
+    // The last job that states its method, whose light was found finite, and what its orders leave out; 0: none.
+    int64_t finite_serial;
+    struct job_beyond beyond;
     // The last frame, of which the renderer may make copies, if it was within its tolerance; else shown_serial is 0.
     int64_t shown_serial;
     struct tolerance_result shown;
@@ -385,6 +388,7 @@ static bool render_planned(struct rendering *rendering)
         plan_shelf_find(&rendering->tolerance->shelf, &shelf_params, &result->render.fault, rendering->error);
     if (!rendering->kept) return false;
     result->plan_number = rendering->kept->number;
+    result->beyond = rendering->kept->plan.beyond;
     result->weight = plan_frame_weight(&rendering->kept->plan, params->job, &shelf_params.plan.segment, params->frame);
     if (!try_before(rendering, &is_done)) return false;
     if (is_done) return true;
@@ -422,6 +426,7 @@ static bool render_repeated(struct rendering *rendering)
     rendering->kept = &kept;
     rendering->is_finer = true;
     result->plan_number = params->repeated_number;
+    result->beyond = params->repeated_beyond;
     snprintf(result->reason, sizeof result->reason, "%s, as plan %" PRId64 " had it", plan_families[plan.family].name,
              params->repeated_number);
     ok = render_and_audit(rendering, &plan);
@@ -432,7 +437,14 @@ static bool render_repeated(struct rendering *rendering)
     return ok;
 }
 
-// Once a job, a frame's first pixels tell whether its light is finite.
+static bool give_up(enum renderer_fault *fault, struct error *error)
+{
+    *fault = RENDERER_FAULT_STOPPED;
+    error_set(error, "the frame was stopped");
+    return false;
+}
+
+// Once a job, a frame's first pixels tell whether its light is finite, and some paths what its orders leave out.
 static bool render_stated(struct tolerance *tolerance, const struct tolerance_params *params,
                           struct tolerance_result *result, struct error *error)
 {
@@ -442,8 +454,10 @@ static bool render_stated(struct tolerance *tolerance, const struct tolerance_pa
     tolerance->shown_serial = 0;
     if (tolerance->finite_serial != params->serial) {
         if (!finite_check_frame(&looking, params->frame, &result->render.fault, error)) return false;
+        if (!plan_beyond_measure_stated(&looking, &tolerance->beyond)) return give_up(&result->render.fault, error);
         tolerance->finite_serial = params->serial;
     }
+    result->beyond = tolerance->beyond;
     return renderer_render(tolerance->renderer,
                            &(struct renderer_frame){.job = params->job,
                                                     .frame = params->frame,

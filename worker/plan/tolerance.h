@@ -30,6 +30,7 @@ struct tolerance_params {
     // the frame is rendered once. One that is over the tolerance is marked as missed.
     const struct job_quality *repeated;
     int64_t repeated_number;
+    struct job_beyond repeated_beyond; // what that file says of it
     // May be NULL; called at least every second, except while GL compiles, with the share of the phase that is done, or
     // 0 where that is not known.
     renderer_progress *on_progress;
@@ -45,6 +46,7 @@ struct tolerance_result {
     struct job_quality quality;    // of that rendering
     struct audit_result audit;     // likewise; AUDIT_NONE: the job states no tolerance
     char reason[PLAN_REASON_SIZE]; // of the plan; empty: the job names its method
+    struct job_beyond beyond;      // what the job's orders of scattering leave out: measured once a plan, or a job
     int64_t plan_number;           // of the plan with which the frame began; 0: none
     double weight;                 // of the frame, as plan_frame_weight has it; 0: the job names its method
     int retry_count;               // renderings after the first, which was over the tolerance

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "core/job/job_beyond.h"
 #include "worker/process/old_parts.h"
 #include "worker/process/plan_mail.h"
 
@@ -29,6 +30,7 @@ struct held_job {
     char *preview;              // owned; the file that shows a frame as it refines; NULL: none
     int64_t stated_number;      // of that file's plan
     struct job_quality stated;
+    struct job_beyond stated_beyond;
     struct plan_mail plans; // guarded by the worker's lock
     size_t frame_count;     // of its frames in the assignment
     bool is_forgotten;      // freed with its last frame

@@ -53,6 +53,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .traced = picture->traced,
         .audit = picture->audit,
         .sampling_error = picture->sampling_error,
+        .beyond = picture->beyond,
         .plan = picture->plan,
         .plan_number = picture->plan_number,
         .quality = picture->quality,

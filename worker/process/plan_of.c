@@ -70,6 +70,7 @@ bool plan_of_read(struct held_job *job, const struct json_node *document, struct
     if (read_header(job->plan_of, &facts, error) && check_facts(&facts, &job->job, error) &&
         read_quality(job, facts.quality, document, error)) {
         job->stated_number = facts.plan_number;
+        job->stated_beyond = facts.beyond;
         return true;
     }
     error_prefix(error, "%s", job->plan_of);

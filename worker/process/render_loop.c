@@ -225,6 +225,7 @@ static void fill_picture(struct picture *picture, const struct held_job *job, co
     picture->traced = result->quality.pixels.stride > 0 ? render->traced : 0.0;
     picture->audit = result->audit;
     picture->sampling_error = result->audit.sampling_error;
+    picture->beyond = result->beyond;
     snprintf(picture->plan, sizeof picture->plan, "%s", job->draft ? job->draft : result->reason);
 }
 
@@ -239,6 +240,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
                                             .source = job->asks_plans ? &source : NULL,
                                             .repeated = job->plan_of ? &job->stated : NULL,
                                             .repeated_number = job->stated_number,
+                                            .repeated_beyond = job->stated_beyond,
                                             .frame = loop->frame->frame,
                                             .image = &picture->image,
                                             .on_progress = on_progress,

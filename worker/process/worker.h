@@ -34,6 +34,7 @@ struct picture {
     double traced;                        // as in struct frame_accuracy
     struct audit_result audit;            // AUDIT_NONE: the job states no tolerance
     double sampling_error;                // relative RMSE by the number of samples per pixel; 0: not measured
+    struct job_beyond beyond;             // not known: not written
     int64_t plan_number;                  // 0: none
     double weight;                        // as in struct tolerance_result
     char quality[IMAGE_EXR_QUALITY_SIZE]; // the plan's settings in this frame; empty: none

@@ -21,7 +21,8 @@ static const char whole[] =
     "{\"quality\":{\"method\":\"midpoint\",\"step\":0.25,\"light_step\":0.5,\"samples\":4},\"why\":\"so\","
     "\"before\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.5,\"light_step\":1,\"samples\":4}},"
     "\"scouts\":[0.5,0.25],\"pilot\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.125,\"light_step\":0.25,"
-    "\"samples\":4},\"pixels\":576,\"frames\":[1,3],\"change\":0.125,\"samples\":[[1,-2,0.1],[3,4,5]]}}";
+    "\"samples\":4},\"pixels\":576,\"frames\":[1,3],\"change\":0.125,\"samples\":[[1,-2,0.1],[3,4,5]]},"
+    "\"beyond\":{\"error\":0.5,\"error95\":0.625}}";
 
 // A job that states a tolerance, with 4 samples.
 static struct job tolerant_job(void)
@@ -65,6 +66,7 @@ static void a_plan_is_read_and_written(void **state)
     assert_int_equal(plan.view_pixels, 576);
     assert_int_equal(plan.sample_count, 2);
     assert_true(plan.samples[0][1] == -2.0 && plan.samples[0][2] == 0.1 && plan.sample_change == 0.125);
+    assert_true(plan.beyond.is_known && plan.beyond.error == 0.5 && plan.beyond.error95 == 0.625);
     // An error that is not finite stays a large one.
     plan.scout_errors[1] = INFINITY;
     plan_to_json(&writer, &plan, &job);
@@ -102,6 +104,8 @@ static void other_plans_are_refused(void **state)
         {"pilot.samples", "[[1,2]]", "pilot.samples[0]: expected"},
         {"pilot.quality.method", "\"auto\"", "pilot.quality"},
         {"pilot.more", "1", "pilot: unknown key"},
+        {"beyond", "1", "beyond: expected an object"},
+        {"beyond.error95", "0.25", "beyond.error95: expected"},
         {"more", "1", "unknown key"},
     };
     struct job job = tolerant_job();

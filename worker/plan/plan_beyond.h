@@ -1,0 +1,25 @@
+// What a segment's modelled orders of scattering leave out, measured for a small part of the segment's work.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/job/job_beyond.h"
+#include "worker/plan/plan_params.h"
+#include "worker/render/renderer_fault.h"
+
+#include <stdbool.h>
+
+struct error;
+struct plan;
+
+// Random numbers that paths may draw beside counted work: 2 % of it, and of linking one program, without which nothing
+// is rendered; at most as many as take as long as such a link.
+double plan_beyond_find_limit(double work);
+
+// Sets the plan's `beyond`, in the segment's pilot frames. The plan is whole but for predicted seconds. On failure
+// `fault` is one of the renderer's: it was stopped.
+bool plan_beyond_measure(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                         struct error *error);
+// Of a job that states its method, or a draft: in the first segment's pilot frames, beside the work of one frame, since
+// every worker that renders some of its frames measures it for itself. False when it was stopped. `params` need no
+// segment.
+bool plan_beyond_measure_stated(const struct plan_params *params, struct job_beyond *beyond);
