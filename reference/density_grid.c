@@ -10,8 +10,7 @@ static double at(const void *field, struct vec3 position)
     const struct density_grid *density = field;
     double value;
 
-    if (!grid_contains(&density->grid, position)) return 0.0;
-    value = grid_value(&density->grid, position);
+    if (!grid_find(&density->grid, position, &value)) return 0.0;
     if (density->has_transfer) return transfer_function_extinction(&density->transfer, value);
     return density->scale * fmax(value, 0.0);
 }

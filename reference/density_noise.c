@@ -68,6 +68,24 @@ static void sum_octaves(const struct density_noise *noise, size_t count, double 
     }
 }
 
+// The same at one point, whose octaves are found together.
+static double sum_octaves_at(const struct density_noise *noise, const double q[static 3])
+{
+    double scaled[3][PERLIN_BATCH], octaves[PERLIN_BATCH], frequency = 1.0, weight = 1.0, sum = 0.0;
+
+    for (int k = 0; k < noise->octaves; k++) {
+        for (int a = 0; a < 3; a++)
+            scaled[a][k] = q[a] * frequency;
+        frequency *= noise->lacunarity;
+    }
+    perlin_noise((size_t)noise->octaves, scaled[0], scaled[1], scaled[2], octaves);
+    for (int k = 0; k < noise->octaves; k++) {
+        sum += weight * (noise->mode == SCENE_NOISE_ABSOLUTE ? fabs(octaves[k]) : octaves[k]);
+        weight *= noise->gain;
+    }
+    return sum;
+}
+
 static void find_few_bases(const struct density_noise *noise, size_t count, const struct vec3 *positions, double *bases)
 {
     double q[3][PERLIN_BATCH];
@@ -79,7 +97,11 @@ static void find_few_bases(const struct density_noise *noise, size_t count, cons
         q[1][i] = vec3_dot(noise->row_y, local) * noise->frequency + noise->offset.y;
         q[2][i] = vec3_dot(noise->row_z, local) * noise->frequency + noise->offset.z;
     }
-    sum_octaves(noise, count, q, bases);
+    if (count == 1 && noise->octaves <= PERLIN_BATCH) {
+        bases[0] = sum_octaves_at(noise, (const double[3]){q[0][0], q[1][0], q[2][0]});
+    } else {
+        sum_octaves(noise, count, q, bases);
+    }
     for (size_t i = 0; i < count && noise->mode == SCENE_NOISE_REMAP; i++)
         bases[i] = 0.5 * (1.0 + bases[i]);
 }

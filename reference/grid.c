@@ -42,15 +42,19 @@ static void find_index(const struct grid *grid, struct vec3 position, double ind
         index[a] = product(&grid->world_to_index[4 * a], position) + grid->world_to_index[4 * a + 3];
 }
 
+static bool is_within(const struct grid *grid, const double index[static 3])
+{
+    for (int a = 0; a < 3; a++)
+        if (index[a] < -grid->margin || index[a] > grid->size[a] - 1 + grid->margin) return false;
+    return true;
+}
+
 bool grid_contains(const struct grid *grid, struct vec3 position)
 {
     double index[3];
 
     find_index(grid, position, index);
-    for (int a = 0; a < 3; a++) {
-        if (index[a] < -grid->margin || index[a] > grid->size[a] - 1 + grid->margin) return false;
-    }
-    return true;
+    return is_within(grid, index);
 }
 
 static int clamp(double index, int size)
@@ -86,14 +90,28 @@ static void find_corners(const struct grid *grid, const double cell[static 3], d
     }
 }
 
-double grid_value(const struct grid *grid, struct vec3 position)
+// The corners of a cell whose voxels all lie within the grid; false: some do not.
+static bool find_inner_corners(const struct grid *grid, const double cell[static 3], double corners[static 8])
 {
-    double index[3], cell[3], corners[8];
+    size_t row = (size_t)grid->size[0], slice = row * (size_t)grid->size[1];
+    const float *voxels;
+
+    if (grid->is_nearest) return false;
+    for (int a = 0; a < 3; a++)
+        if (!(cell[a] >= 0.0 && cell[a] <= grid->size[a] - 2)) return false;
+    voxels = grid->values + (size_t)cell[0] + row * (size_t)cell[1] + slice * (size_t)cell[2];
+    for (size_t n = 0; n < 8; n++)
+        corners[n] = voxels[(n & 1) + row * (n >> 1 & 1) + slice * (n >> 2)];
+    return true;
+}
+
+static double value_at(const struct grid *grid, const double index[static 3])
+{
+    double cell[3], corners[8];
     int count = 8;
 
-    find_index(grid, position, index);
     find_cell(grid, index, cell);
-    find_corners(grid, cell, corners);
+    if (!find_inner_corners(grid, cell, corners)) find_corners(grid, cell, corners);
     for (int a = 0; a < 3; a++) {
         double share = index[a] - cell[a];
 
@@ -102,6 +120,24 @@ double grid_value(const struct grid *grid, struct vec3 position)
             corners[n] = corners[2 * n] + (corners[2 * n + 1] - corners[2 * n]) * share;
     }
     return corners[0];
+}
+
+double grid_value(const struct grid *grid, struct vec3 position)
+{
+    double index[3];
+
+    find_index(grid, position, index);
+    return value_at(grid, index);
+}
+
+bool grid_find(const struct grid *grid, struct vec3 position, double *value)
+{
+    double index[3];
+
+    find_index(grid, position, index);
+    if (!is_within(grid, index)) return false;
+    *value = value_at(grid, index);
+    return true;
 }
 
 // The range of an axis' voxels on which values between two indices depend; false: it lies outside of the box.

@@ -26,6 +26,8 @@ struct grid_params {
 
 void grid_init(struct grid *grid, const struct grid_params *params);
 bool grid_contains(const struct grid *grid, struct vec3 position);
+// The value at a position in the grid's box; false: it lies outside.
+bool grid_find(const struct grid *grid, struct vec3 position, double *value);
 double grid_value(const struct grid *grid, struct vec3 position); // outside the box: the value at its nearest face
 
 // The least and the greatest value in the part of the grid's box that lies in `box`; false: nothing lies there.

@@ -105,12 +105,16 @@ static double leave_axis(const struct flight *flight, int axis)
     double direction = flight->direction[axis];
     double face = (flight->brick[axis] + (direction > 0.0 ? 1 : 0)) * majorant->side[axis];
 
-    return direction != 0.0 ? (face - flight->origin[axis]) / direction : INFINITY;
+    return direction != 0.0 ? (face - flight->origin[axis]) * flight->inverse[axis] : INFINITY;
 }
 
 static void look_at_brick(struct flight *flight)
 {
-    flight->end = fmin(fmin(leave_axis(flight, 0), leave_axis(flight, 1)), fmin(leave_axis(flight, 2), flight->far));
+    const double *leave = flight->leave;
+
+    flight->axis = leave[1] < leave[0] ? 1 : 0;
+    flight->axis = leave[2] < leave[flight->axis] ? 2 : flight->axis;
+    flight->end = fmin(leave[flight->axis], flight->far);
     flight->most = bound_of(flight->majorant, flight->brick);
 }
 
@@ -141,6 +145,7 @@ static void begin_in_bricks(struct flight *flight, const struct ray *ray, double
     for (int a = 0; a < 3; a++) {
         flight->origin[a] = a == 0 ? origin.x : a == 1 ? origin.y : origin.z;
         flight->direction[a] = a == 0 ? ray->direction.x : a == 1 ? ray->direction.y : ray->direction.z;
+        flight->inverse[a] = 1.0 / flight->direction[a];
     }
     clip_to_bricks(flight, &near, &far);
     flight->at = near;
@@ -150,6 +155,7 @@ static void begin_in_bricks(struct flight *flight, const struct ray *ray, double
         double index = (flight->origin[a] + flight->direction[a] * near) / majorant->side[a];
 
         flight->brick[a] = (int)fmin(fmax(index, 0.0), majorant->count[a] - 1);
+        flight->leave[a] = leave_axis(flight, a);
     }
     look_at_brick(flight);
 }
@@ -173,14 +179,13 @@ void flight_begin(struct flight *flight, const struct majorant *majorant, const 
 // False at the end of the bricks.
 static bool enter_next_brick(struct flight *flight)
 {
-    int axis = 0;
+    int axis = flight->axis;
 
     flight->at = fmax(flight->end, flight->at);
     if (!flight->majorant->bricks || !(flight->at < flight->far)) return false;
-    for (int a = 1; a < 3; a++)
-        if (leave_axis(flight, a) < leave_axis(flight, axis)) axis = a;
     flight->brick[axis] += flight->direction[axis] > 0.0 ? 1 : -1;
     if (flight->brick[axis] < 0 || flight->brick[axis] >= flight->majorant->count[axis]) return false;
+    flight->leave[axis] = leave_axis(flight, axis);
     look_at_brick(flight);
     return true;
 }

@@ -30,10 +30,11 @@ double majorant_at(const struct majorant *majorant, struct vec3 position);
 // The way of a ray through the bricks.
 struct flight {
     const struct majorant *majorant;
-    double at, end, far; // m: here, the current brick's end, and the last brick's
-    double most;         // in the current brick
-    double origin[3], direction[3];
-    int brick[3];
+    double at, end, far;                        // m: here, the current brick's end, and the last brick's
+    double most;                                // in the current brick
+    double origin[3], direction[3], inverse[3]; // the last: 1 / direction
+    double leave[3];                            // m to the current brick's end along each axis
+    int brick[3], axis;                         // along which the next brick lies
 };
 
 // `far` may be INFINITY.

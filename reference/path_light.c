@@ -6,6 +6,9 @@
 
 #include <math.h>
 
+// The least chance of a look towards a lamp.
+static const double LEAST_CHANCE = 0.05;
+
 double path_vertex_scatter(const struct path_vertex *vertex, struct vec3 direction)
 {
     if (vertex->is_surface) return fmax(vec3_dot(vertex->normal, direction), 0.0) / M_PI;
@@ -35,16 +38,33 @@ static void add(const struct path_scene *scene, const struct path_vertex *vertex
         radiance[c] += passed[c];
 }
 
-void path_light_add_lamp(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, double share,
-                         struct stream *stream, double radiance[static 3])
+// How often a vertex looks towards a lamp into whose light it scatters `scatter`: always from the share on that it has
+// in all directions, else less often. A narrow phase sees most lamps from aside, and each look costs a passage.
+static double chance_of_look(const struct path_vertex *vertex, double scatter)
+{
+    double throughput = fmax(fmax(vertex->throughput[0], vertex->throughput[1]), vertex->throughput[2]);
+
+    return fmin(fmax(4.0 * M_PI * scatter * throughput, LEAST_CHANCE), 1.0);
+}
+
+static void add_lamp(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, double share,
+                     bool is_seldom, struct stream *stream, double radiance[static 3])
 {
     struct light_arrival arrival = light_arrive(&scene->still->lights[lamp], vertex->position);
     struct vec3 toward = vec3_scale(arrival.travel, -1.0);
-    double scatter = path_vertex_scatter(vertex, toward);
+    double scatter = path_vertex_scatter(vertex, toward), chance = 1.0;
 
     // At the lamp itself nothing is known.
     if (share == 0.0 || scatter == 0.0 || arrival.distance == 0.0) return;
-    add(scene, vertex, toward, arrival.distance, scatter * share, arrival.irradiance, stream, radiance);
+    if (is_seldom) chance = chance_of_look(vertex, scatter);
+    if (chance < 1.0 && !(stream_draw(stream) < chance)) return;
+    add(scene, vertex, toward, arrival.distance, scatter * share / chance, arrival.irradiance, stream, radiance);
+}
+
+void path_light_add_lamp(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, double share,
+                         struct stream *stream, double radiance[static 3])
+{
+    add_lamp(scene, vertex, lamp, share, false, stream, radiance);
 }
 
 // `is_alone`: no other way brings this light.
@@ -108,8 +128,9 @@ void path_light_add(const struct path_scene *scene, const struct path_vertex *ve
 {
     const struct still *still = scene->still;
 
+    // Where light grows without limit, a seldom look would bring too much at once.
     for (size_t i = 0; i < still->light_count; i++)
-        path_light_add_lamp(scene, vertex, i, own_share(&scene->peaks[i], vertex), stream, radiance);
+        add_lamp(scene, vertex, i, own_share(&scene->peaks[i], vertex), scene->peaks[i].reach == 0.0, stream, radiance);
     for (size_t i = 0; i < still->sphere_count; i++)
         add_sphere(scene, vertex, i, own_share(&scene->sphere_peaks[i], vertex), false, stream, radiance);
     if (has_bright_directions(scene)) add_dome(scene, vertex, stream, radiance);

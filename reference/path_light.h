@@ -25,7 +25,8 @@ double path_vertex_scatter(const struct path_vertex *vertex, struct vec3 directi
 struct vec3 path_vertex_draw(const struct path_vertex *vertex, struct stream *stream);
 
 // Adds the light of all lamps and domes, less the shares that belong to the vertex before (reference/path_peak.h) and
-// those that the path's next direction brings.
+// those that the path's next direction brings. A lamp without a peak from which the vertex scatters little is looked
+// for at random, and counts the more: Russian roulette, Arvo and Kirk, SIGGRAPH 1990.
 void path_light_add(const struct path_scene *scene, const struct path_vertex *vertex, struct stream *stream,
                     double radiance[static 3]);
 // Adds `share` of the light of one of the still's lights, or of all that one of its spheres brings.
