@@ -3,11 +3,14 @@
 
 #include "reference/path_passage.h"
 #include "reference/phase_draw.h"
+#include "reference/spot_edges.h"
 
 #include <math.h>
 
 // From farther away than this many reaches, places are drawn about the lamp alone.
 static const double FAR_REACHES = 2.0;
+// From farther off a spot's axis than so many half-angles, places are drawn evenly in its cone.
+static const double BESIDE = 1.1;
 
 // A drawn place of the new vertex.
 struct place {
@@ -34,6 +37,8 @@ static struct place draw_on_ray(const struct path_vertex *vertex, const struct p
 
     near = fmax(near, along - half);
     far = fmin(far, along + half);
+    if (peak->spot && !spot_edges_clip(peak->spot, &(struct ray){vertex->position, vertex->incoming}, &near, &far))
+        return place;
     if (!(near < far) || beside == 0.0) return place;
     first = find_angle(near - along, beside);
     last = find_angle(far - along, beside);
@@ -59,6 +64,41 @@ static struct place draw_jointly(const struct path_vertex *vertex, const struct 
     return place;
 }
 
+// Where a spot shines: from beside its cone the direction from the lamp is even in the cone, else even in its angle to
+// the vertex before. The distance is even in the angle that the vertex sees. So the density is in proportion to the
+// inverse squares of both distances.
+static struct place draw_in_cone(const struct path_vertex *vertex, const struct path_peak *peak, struct stream *stream)
+{
+    struct vec3 back = vec3_subtract(vertex->position, peak->position), way;
+    double apart = vec3_length(back), inverse, cosine, along, beside, first, angle, r;
+    double off = atan2(vec3_length(vec3_cross(peak->spot->direction, back)), vec3_dot(peak->spot->direction, back));
+    double turn = fmin(off + peak->spot->outer, M_PI) * stream_draw(stream);
+    struct place place = {.begin = 0.0};
+
+    if (!(apart > 0.0)) return place;
+    back = vec3_scale(back, 1.0 / apart);
+    if (off > BESIDE * peak->spot->outer) {
+        cosine = 1.0 - (1.0 - cos(peak->spot->outer)) * stream_draw(stream);
+        way = phase_draw_about(peak->spot->direction, cosine, stream);
+        inverse = 2.0 * M_PI * (1.0 - cos(peak->spot->outer));
+    } else {
+        way = phase_draw_about(back, cos(turn), stream);
+        inverse = 2.0 * M_PI * fmin(off + peak->spot->outer, M_PI) * sin(turn);
+    }
+    along = apart * vec3_dot(back, way);
+    beside = apart * vec3_length(vec3_cross(back, way));
+    if (!(beside > 0.0)) return place;
+    first = find_angle(-along, beside);
+    angle = find_angle(peak->reach - along, beside) - first;
+    r = fmin(fmax(along + beside * tan(first + stream_draw(stream) * angle), 0.0), peak->reach);
+    way = vec3_subtract(vec3_scale(way, r), vec3_scale(back, apart));
+    place.distance = vec3_length(way);
+    if (!(place.distance > 0.0)) return place;
+    place.direction = vec3_scale(way, 1.0 / place.distance);
+    place.weight = inverse * r * r * angle / beside;
+    return place;
+}
+
 // About the lamp, even in direction and distance.
 static struct place draw_about(const struct path_vertex *vertex, const struct path_peak *peak, struct stream *stream)
 {
@@ -80,6 +120,7 @@ static struct place draw_place(const struct path_vertex *vertex, const struct pa
     bool is_beginning = !vertex->medium && !vertex->is_surface;
 
     if (is_beginning) return draw_on_ray(vertex, peak, near, far, stream);
+    if (peak->spot) return draw_in_cone(vertex, peak, stream);
     if (vec3_length(toward) > FAR_REACHES * peak->reach) return draw_about(vertex, peak, stream);
     return draw_jointly(vertex, peak, stream);
 }

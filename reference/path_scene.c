@@ -7,8 +7,8 @@
 
 // Collisions across a medium that glows and hardly attenuates: its source is looked at there.
 static const double GLOW_LOOKS = 4.0;
-// The most that a medium's bound may attenuate within a lamp's reach.
-static const double REACH_DEPTH = 4.0;
+// The most that a medium's bound may attenuate within a lamp's reach; a spot's beam is not found by itself even there.
+static const double REACH_DEPTH = 4.0, SPOT_DEPTH = 8.0;
 static const double WIDEST_REACH = 0x1p40; // m
 
 static double sigma_most(const struct medium *medium)
@@ -80,13 +80,13 @@ static double extinction_near(const struct path_scene *scene, struct vec3 positi
 // the lamp's light by themselves. It grows from what holds everywhere, since bounds of large boxes take long.
 static void find_reach(const struct path_scene *scene, struct path_peak *peak)
 {
-    double most = 0.0, reach;
+    double most = 0.0, depth = peak->spot ? SPOT_DEPTH : REACH_DEPTH, reach;
 
     for (size_t i = 0; i < scene->medium_count; i++)
         most += sigma_most(scene->media[i].medium) * scene->media[i].majorant.most;
     if (!(most > 0.0)) return;
-    reach = REACH_DEPTH / most;
-    while (reach < WIDEST_REACH && 2.0 * reach * extinction_near(scene, peak->position, 2.0 * reach) <= REACH_DEPTH)
+    reach = depth / most;
+    while (reach < WIDEST_REACH && 2.0 * reach * extinction_near(scene, peak->position, 2.0 * reach) <= depth)
         reach *= 2.0;
     if (extinction_near(scene, peak->position, reach) > 0.0) peak->reach = reach;
 }
@@ -99,6 +99,7 @@ static void find_peaks(struct path_scene *scene)
         const struct light *light = &still->lights[i];
 
         scene->peaks[i].position = light->position;
+        if (light->kind == SCENE_LIGHT_SPOT) scene->peaks[i].spot = light;
         if (light->kind != SCENE_LIGHT_SUN && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE)
             find_reach(scene, &scene->peaks[i]);
     }

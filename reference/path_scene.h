@@ -23,6 +23,7 @@ struct path_medium {
 // lamp's light from the vertex before, too.
 struct path_peak {
     struct vec3 position;
+    const struct light *spot; // borrowed from the still; NULL: it shines in all directions
     double reach;
 };
 

@@ -6,7 +6,7 @@
 // The reach around a lamp in a medium: some mean free paths of a majorant there, and a fraction of the medium's extent.
 float walk_near_reach(float extent, float rate)
 {
-    return min(0.25 * extent, 4.0 / max(rate, 1e-30));
+    return min(extent, 8.0 / max(rate, 1e-30));
 }
 
 // The part of what is scattered at `square`, the distance to the lamp squared, that belongs to these vertices: all of
@@ -41,17 +41,39 @@ WalkNear walk_near_on(vec3 toward, vec3 direction, vec2 interval, float reach)
                     0);
 }
 
-// In any direction: evenly in its angle to the lamp, as far as the reach has rays, and then as above. The density is in
-// proportion to 1 / r^2 and to the angle's sine, so that what is left of both is finite. The weight is per metre and
-// steradian.
-WalkNear walk_near_about(vec3 toward, float reach)
+// On the way from the lamp along `way`, evenly in the angle that the vertex before sees. `inverse` is that of the
+// density of `way`; the weight is per metre and steradian as seen from the vertex before.
+WalkNear walk_near_along(vec3 toward, vec3 way, float inverse, float reach)
 {
-    float apart = max(length(toward), 1e-6);
-    float widest = apart > reach ? asin(reach / apart) : 3.14159265358979324;
+    float along = -dot(toward, way);
+    float beside = max(length(cross(toward, way)), 1e-6 * length(toward) + 1e-12);
+    float first = atan(-along, beside);
+    float angle = atan(reach - along, beside) - first;
+    float away = clamp(along + beside * tan(first + walk_random() * angle), 0.0, reach);
+    vec3 path = toward + away * way;
+    float distance = max(length(path), 1e-12);
+    return WalkNear(path / distance, distance, inverse * away * away * angle / beside, 0);
+}
+
+// In any direction from the lamp: evenly in its angle to the vertex before, up to `widest`. The whole density is in
+// proportion to the inverse squares of both distances, so that what is left of them is finite.
+WalkNear walk_near_about(vec3 toward, float reach, float widest)
+{
     float angle = max(widest * walk_random(), 1e-6);
     float sine = sin(0.5 * angle);
-    vec3 direction = scatter_turn(toward / apart, 2.0 * sine * sine, walk_random());
-    WalkNear near = walk_near_on(toward, direction, vec2(0.0, FAR_AWAY), reach);
-    near.weight *= 6.28318530717958648 * widest * sin(angle);
-    return near;
+    vec3 way = scatter_turn(-normalize(toward), 2.0 * sine * sine, walk_random());
+    return walk_near_along(toward, way, 6.28318530717958648 * widest * sin(angle), reach);
+}
+
+const float WALK_NEAR_BESIDE = 1.1; // half-angles of a spot: a vertex that is farther off its axis is beside the cone
+
+// In a spot's cone of half-angle `outer` about `axis`: evenly from beside it, else about the vertex before.
+WalkNear walk_near_in_cone(vec3 toward, float reach, vec3 axis, float outer)
+{
+    float off = arc(length(cross(axis, toward)), -dot(axis, toward));
+    if (off <= WALK_NEAR_BESIDE * outer) return walk_near_about(toward, reach, min(off + outer, 3.14159265358979324));
+    float sine = sin(0.5 * outer);
+    float less = 2.0 * sine * sine;
+    vec3 way = scatter_turn(axis, less * walk_random(), walk_random());
+    return walk_near_along(toward, way, 6.28318530717958648 * less, reach);
 }

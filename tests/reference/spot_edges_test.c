@@ -61,6 +61,32 @@ static void no_cone_is_crossed_between_ends(void **state)
     assert_true(crossed > 2000);
 }
 
+// What is left of a stretch is all that the spot lights of it.
+static void a_stretch_is_clipped_to_the_cone(void **state)
+{
+    struct random random = {43};
+    int lit = 0;
+
+    for (int i = 0; i < 2000; i++) {
+        struct light spot = {.kind = SCENE_LIGHT_SPOT,
+                             .position = random_vector(&random, 1.0),
+                             .direction = vec3_normalize(random_vector(&random, 1.0)),
+                             .outer = random_between(&random, 0.01, 0.5 * M_PI)};
+        struct ray ray = {random_vector(&random, 1.0), vec3_normalize(random_vector(&random, 1.0))};
+        double near = random_between(&random, -3.0, 0.0), far = random_between(&random, 0.0, 3.0);
+        double begin = near, end = far;
+        bool is_lit = spot_edges_clip(&spot, &ray, &begin, &end);
+
+        lit += is_lit;
+        for (int step = 1; step < 100; step++) {
+            double at = near + (far - near) * step / 100.0, off = angle_at(&spot, &ray, at) - spot.outer;
+
+            if (fabs(off) > 1e-9) assert_true((off < 0.0) == (is_lit && at > begin && at < end));
+        }
+    }
+    assert_true(lit > 300 && lit < 1900);
+}
+
 // Across a narrow beam in a thin slab, and far from the lamp, the light is sigma_s p I times the integral of the share
 // over the distance, over the height's square: with s = x / height the share is smoothstep of s, whose integral is that
 // of a step at the middle.
@@ -93,6 +119,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_cone_is_crossed_between_ends),
+        cmocka_unit_test(a_stretch_is_clipped_to_the_cone),
         cmocka_unit_test(narrow_beam_in_a_wide_slab_is_found),
     };
 

@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
+#include "worker/shader/scene_glue_light.h"
 #include "worker/shader/scene_glue_media.h"
 
 // Writes the sum of "medium_I_NAME * density" over media of which `applies` is true.
@@ -105,9 +106,34 @@ static void write_near_find(FILE *out, const struct scene_model *model, size_t c
     fputs("}\n", out);
 }
 
+// Writes what is drawn near a lamp: on a ray, or about the lamp. A spot's is where it shines.
+static void write_near_lamp(FILE *out, const struct scene_model *model, size_t i, bool is_start)
+{
+    const struct scene_light *light = &model->job->scene.lights[i];
+    bool is_spot = light_kind_of(light)->is_spot;
+
+    fprintf(out, "{\n        if (walk_reach_%zu <= 0.0) return spectrum(0.0);\n", i);
+    if (is_start && is_spot) {
+        fputs("        vec2 lit = span_meet(ray.interval, light_spot_lit(", out);
+        scene_glue_light_write_value(out, light, i);
+        fputs(", point, ray.direction));\n", out);
+    }
+    fprintf(out, "        near = walk_near_%s(light_%zu_position - point, ",
+            is_start  ? "on"
+            : is_spot ? "in_cone"
+                      : "about",
+            i);
+    if (is_start)
+        fprintf(out, "ray.direction, %s, walk_reach_%zu", is_spot ? "lit" : "ray.interval", i);
+    else if (is_spot)
+        fprintf(out, "walk_reach_%zu, -light_%zu_direction, light_%zu_outer", i, i, i);
+    else
+        fprintf(out, "walk_reach_%zu, 3.14159265358979324", i);
+    fprintf(out, ");\n        near.lamp = %zu;\n    }\n", i);
+}
+
 // Writes the choice of a lamp, each as likely, and what is drawn near it.
-static void write_near_draw(FILE *out, const struct scene_model *model, size_t count, const char *name,
-                            const char *arguments)
+static void write_near_draw(FILE *out, const struct scene_model *model, size_t count, bool is_start)
 {
     size_t index = 0;
 
@@ -118,11 +144,7 @@ static void write_near_draw(FILE *out, const struct scene_model *model, size_t c
             fprintf(out, "    if (lamp == %zu) ", index++);
         else
             fputs("    ", out);
-        fprintf(out,
-                "{\n        if (walk_reach_%zu <= 0.0) return spectrum(0.0);\n"
-                "        near = walk_near_%s(light_%zu_position - point, %swalk_reach_%zu);\n"
-                "        near.lamp = %zu;\n    }\n",
-                i, name, i, arguments, i, i);
+        write_near_lamp(out, model, i, is_start);
     }
     if (count > 1) fprintf(out, "    near.weight *= %zu.0;\n", count);
 }
@@ -137,7 +159,7 @@ static void write_near(FILE *out, const struct scene_model *model)
     fputs("Spectrum walk_near(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout WalkNear near)\n{\n",
           out);
     if (count > 0) {
-        write_near_draw(out, model, count, "about", "");
+        write_near_draw(out, model, count, false);
         fputs("    if (near.weight <= 0.0) return spectrum(0.0);\n"
               "    return weight * near.weight * walk_scattered(vertex, incoming, near.direction);\n}\n",
               out);
@@ -147,7 +169,7 @@ static void write_near(FILE *out, const struct scene_model *model)
     fputs("Spectrum walk_near_start(WalkRay ray, inout WalkNear near)\n{\n", out);
     if (count > 0) {
         fputs("    vec3 point = ray.origin;\n", out);
-        write_near_draw(out, model, count, "on", "ray.direction, ray.interval, ");
+        write_near_draw(out, model, count, true);
     }
     fprintf(out, "    return spectrum(%s);\n}\n", count > 0 ? "max(near.weight, 0.0)" : "0.0");
 }

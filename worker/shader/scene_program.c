@@ -127,7 +127,8 @@ static void add_spot(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->model->features;
 
-    if (features->has_peaks || features->places_points) add_module(assembly, "light/spot_lit.glsl");
+    if (features->has_peaks || features->places_points || features->is_walked)
+        add_module(assembly, "light/spot_lit.glsl");
     if (features->has_peaks) add_module(assembly, "light/spot_segment.glsl");
 }
 
@@ -173,6 +174,7 @@ static void add_walk(struct assembly *assembly)
     add_module(assembly, "path/iterations.glsl");
     add_module(assembly, "scatter/random.glsl");
     add_module(assembly, "scatter/ray.glsl");
+    add_module(assembly, "math/arc.glsl");
     add_module(assembly, "scatter/near.glsl");
     if (model->features.has_objects) scene_glue_write_albedo(generate(assembly), model);
     add_module(assembly, model->features.has_objects ? "scatter/vertex_surfaces.glsl" : "scatter/vertex_media.glsl");
