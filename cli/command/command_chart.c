@@ -6,6 +6,7 @@
 #include "cli/job/job_document.h"
 #include "cli/job/json_set.h"
 #include "cli/program/options.h"
+#include "cli/render/beyond_report.h"
 #include "cli/terminal/print.h"
 #include "cli/terminal/table.h"
 #include "core/base/alloc.h"
@@ -188,7 +189,8 @@ static void write_times(struct json_writer *out, const struct chart_points *poin
     json_write_end_array(out);
 }
 
-static void print_chart_json(const struct chart_points *points, const struct chart_files *files)
+static void print_chart_json(const struct chart_points *points, const struct chart_files *files,
+                             const struct job_beyond *beyond)
 {
     const struct chart_facts *facts = &points->facts;
     struct json_writer out = {0};
@@ -203,6 +205,7 @@ static void print_chart_json(const struct chart_points *points, const struct cha
     json_write_string_member(&out, "csv", files->csv);
     json_write_string_member(&out, "svg", files->svg);
     json_write_string_member(&out, "png", files->png);
+    job_beyond_write(beyond, &out);
     json_write_key(&out, "errors");
     json_write_begin_array(&out);
     for (int i = 0; i < ERROR_COUNT; i++)
@@ -227,6 +230,8 @@ static enum exit_status chart(const struct options *options, const char *documen
     struct chart_files files = {0};
     struct chart_points points = {0};
     struct chart_svg_mark mark = {0};
+    char left[JOB_BEYOND_TEXT_SIZE];
+    struct job_beyond beyond;
     int64_t frame;
 
     if (!find_frame(options, job, &frame, error)) return status;
@@ -241,10 +246,13 @@ static enum exit_status chart(const struct options *options, const char *documen
                                                               .on_point = on_point,
                                                               .user = (void *)options},
                                &points, &mark, error);
+    if (status == EXIT_STATUS_DONE) beyond_report_ask(options, job, document, &beyond);
     if (status == EXIT_STATUS_DONE && options->json) {
-        print_chart_json(&points, &files);
+        print_chart_json(&points, &files, &beyond);
     } else if (status == EXIT_STATUS_DONE) {
         print_times(&points);
+        job_beyond_describe(&beyond, job->scene.orders, left);
+        if (left[0]) printf("\nErrors are of the orders that are modelled: %s.\n", left);
         printf("\n%s\n%s\n%s\n", files.csv, files.svg, files.png);
     }
     chart_points_finish(&points);

@@ -3,6 +3,7 @@
 #include "cli/job/job_document.h"
 #include "cli/peer/worker_child.h"
 #include "cli/program/options.h"
+#include "cli/render/beyond_report.h"
 #include "cli/render/plan_report.h"
 #include "cli/render/unseen_report.h"
 #include "cli/terminal/print.h"
@@ -96,7 +97,7 @@ static void print_explanation(const struct json_node *result, const struct job *
     if (json_node_is_absent(&plan))
         print_count(result, job);
     else
-        plan_report_print(&plan);
+        plan_report_print(&plan, job->scene.orders);
     print_features(result, "modelled", "Modelled");
     print_features(result, "not_modelled", "Not modelled");
     print_modules(result);
@@ -133,6 +134,7 @@ static enum exit_status explain(const struct options *options, const struct job 
 {
     bool is_planned = options->plan && job->quality.method == JOB_METHOD_AUTO;
     enum exit_status status = EXIT_STATUS_DONE;
+    struct job_beyond beyond;
     struct message reply;
 
     if (is_planned && !options->json && !options->shader) {
@@ -150,6 +152,8 @@ static enum exit_status explain(const struct options *options, const struct job 
         fputs(text_of(&reply.body, "shader"), stdout);
     else
         print_explanation(&reply.body, job);
+    beyond_report_read(&reply.body, &beyond);
+    beyond_report_warn(&beyond, job);
     message_finish(&reply);
     return status;
 }

@@ -9,6 +9,7 @@
 #include "cli/job/json_set.h"
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
+#include "cli/render/beyond_report.h"
 #include "cli/render/plan_report.h"
 #include "cli/terminal/print.h"
 #include "core/base/alloc.h"
@@ -101,7 +102,7 @@ static void print_plan(const struct options *options, const struct job *job, con
 
     if (!options->json) {
         job_summary_print(job);
-        if (plan) plan_report_print(plan);
+        if (plan) plan_report_print(plan, job->scene.orders);
         return;
     }
     json_write_begin_object(&writer);
@@ -123,6 +124,7 @@ static void print_plan(const struct options *options, const struct job *job, con
 static enum exit_status show_plan(const struct options *options, const struct job *job, const char *document,
                                   struct error *error)
 {
+    struct job_beyond beyond;
     enum exit_status status;
     struct message reply;
 
@@ -133,6 +135,8 @@ static enum exit_status show_plan(const struct options *options, const struct jo
     status = plan_report_ask(options, document, &reply, error);
     if (status != EXIT_STATUS_DONE) return status;
     print_plan(options, job, &reply.body);
+    plan_report_find_beyond(&reply.body, &beyond);
+    beyond_report_warn(&beyond, job);
     message_finish(&reply);
     return EXIT_STATUS_DONE;
 }
@@ -243,6 +247,16 @@ static void tell_submitted(const struct submission *submissions, const int64_t *
     free(list);
 }
 
+// The job is in the queue by then: nothing waits for it.
+static void warn_of_beyond(const struct options *options, const struct submission *submission)
+{
+    struct job_beyond beyond;
+
+    if (options->json || submission->job.quality.method != JOB_METHOD_AUTO) return;
+    beyond_report_ask(options, &submission->job, submission->document, &beyond);
+    beyond_report_warn(&beyond, &submission->job);
+}
+
 // Each of a chain comes after the one before.
 static bool submit_one(const struct options *options, struct connection *connection, struct submission *submission,
                        const int64_t *before, int64_t *id, struct error *error)
@@ -276,6 +290,8 @@ static enum exit_status submit(const struct options *options, struct submission 
         tell_job(connection, ids[i]);
     }
     if (options->json && (options->watch || !options->wait)) print_ids(options, ids, count);
+    for (size_t i = 0; i < count; i++)
+        warn_of_beyond(options, &submissions[i]);
     if (options->wait || options->watch) status = follow_submitted(options, &connection, ids, count, error);
 out:
     connection_close(connection);

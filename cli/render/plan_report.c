@@ -2,6 +2,7 @@
 #include "cli/render/plan_report.h"
 
 #include "cli/peer/worker_child.h"
+#include "cli/render/beyond_report.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
@@ -68,8 +69,10 @@ void plan_report_print_quality(const struct json_node *quality)
     printf("\n");
 }
 
-static void print_segment(const struct json_node *plan)
+static void print_segment(const struct json_node *plan, int orders)
 {
+    char left[JOB_BEYOND_TEXT_SIZE];
+    struct job_beyond beyond;
     struct json_node quality = json_node_child(plan, "quality");
 
     printf("  frames %.0f to %.0f   %.3g s a frame (rendering %.2g, audit %.2g, file %.2g), planned in %.2g s; error "
@@ -79,6 +82,9 @@ static void print_segment(const struct json_node *plan)
            number_of(plan, "plan_s"), number_of(plan, "error"));
     plan_report_print_quality(&quality);
     printf("    %s\n", text_of(plan, "why"));
+    beyond_report_read(plan, &beyond);
+    job_beyond_describe(&beyond, orders, left);
+    if (left[0]) printf("    %s\n", left);
 }
 
 static void print_duration(double seconds)
@@ -91,14 +97,21 @@ static void print_duration(double seconds)
         printf("%.3g h", seconds / 3600.0);
 }
 
-void plan_report_print(const struct json_node *plan)
+void plan_report_find_beyond(const struct json_node *plan, struct job_beyond *beyond)
+{
+    struct json_node plans = json_node_child(plan, "plans"), first = json_node_element(&plans, 0);
+
+    beyond_report_read(&first, beyond);
+}
+
+void plan_report_print(const struct json_node *plan, int orders)
 {
     struct json_node plans = json_node_child(plan, "plans"), segment = {0};
     double segments = number_of(plan, "segments");
 
     printf("Plan for a tolerance of %g\n", number_of(plan, "tolerance"));
     while (json_node_next(&plans, &segment))
-        print_segment(&segment);
+        print_segment(&segment, orders);
     if (segments > (double)json_node_count(&plans))
         printf("  (%zu of %.0f segments, each planned when its first frame is rendered)\n", json_node_count(&plans),
                segments);

@@ -5,6 +5,7 @@
 #include "cli/program/exit_status.h"
 
 struct error;
+struct job_beyond;
 struct json_node;
 struct message;
 struct options;
@@ -14,5 +15,7 @@ enum exit_status plan_report_ask(const struct options *options, const char *docu
                                  struct error *error);
 // Prints a quality, its method and numbers by their keys in a job, and ends the line.
 void plan_report_print_quality(const struct json_node *quality);
-// Prints a result of worker.plan.
-void plan_report_print(const struct json_node *plan);
+// Prints a result of worker.plan of a job that models so many orders of scattering (struct scene).
+void plan_report_print(const struct json_node *plan, int orders);
+// Reads what the first plan's orders leave out; nothing where it does not say.
+void plan_report_find_beyond(const struct json_node *plan, struct job_beyond *beyond);

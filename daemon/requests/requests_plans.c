@@ -58,11 +58,14 @@ static void on_flushed(void *user, bool ok, const struct error *error)
     work_desk_put(task->farm->work, &task->piece);
 }
 
+// `absent` NULL: a part that is absent is not written.
 static void write_part(struct json_writer *writer, const struct json_node *plan, const char *key, const char *absent)
 {
     struct json_node part = json_node_child(plan, key);
-    char *text = json_node_is_absent(&part) ? xstrdup(absent) : json_node_format(&part);
+    char *text;
 
+    if (json_node_is_absent(&part) && !absent) return;
+    text = json_node_is_absent(&part) ? xstrdup(absent) : json_node_format(&part);
     json_write_key(writer, key);
     json_write_raw(writer, text, strlen(text));
     free(text);
@@ -81,6 +84,7 @@ static bool on_plan(void *user, int64_t number, const char *text, struct error *
     write_part(&task->value, &plan, "quality", "{}");
     write_part(&task->value, &plan, "why", "\"\"");
     write_part(&task->value, &plan, "scouts", "[]");
+    write_part(&task->value, &plan, "beyond", NULL);
     json_write_end_object(&task->value);
     json_delete(root);
     return true;

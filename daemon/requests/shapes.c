@@ -121,6 +121,9 @@ static const struct member plan_members[] = {
     {"quality", "object", .meaning = "as a job would state it, of frames that are not refined"},
     {"why", "string", .meaning = "why this one"},
     {"scouts", "number[]", .meaning = "its relative RMSE in frames that lie evenly over the segment"},
+    {"beyond", "object",
+     .meaning = "what the modelled orders of scattering leave out: error, error95; or why it is unknown",
+     .is_optional = true},
     {0},
 };
 static const struct shape shape_plan = {"plan", "How the frames of a segment are rendered.", .members = plan_members};

@@ -200,6 +200,8 @@ class Plan(Answer):
     why: str
     # its relative RMSE in frames that lie evenly over the segment
     scouts: list[float]
+    # what the modelled orders of scattering leave out: error, error95; or why it is unknown
+    beyond: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,15 @@
 #include "worker/answer/explain.h"
 
 #include "core/job/job.h"
+#include "core/job/job_beyond.h"
 #include "core/job/job_pixels.h"
-#include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "core/scene/light_rules.h"
+#include "worker/answer/explain_count.h"
 #include "worker/answer/explain_scattering.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
-#include "worker/plan/draft.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_program.h"
@@ -24,6 +24,7 @@ struct listing {
     const struct job *job;
     const struct scene_program *program;
     const struct scene_inputs *inputs; // of the first frame
+    const struct job_beyond *beyond;
     bool of_modelled;
 };
 
@@ -31,7 +32,7 @@ struct listing {
 __attribute__((format(printf, 4, 5))) static void say(const struct listing *listing, bool is_modelled,
                                                       const char *feature, const char *why_format, ...)
 {
-    char why[256];
+    char why[EXPLAIN_SCATTERING_SIZE];
     va_list arguments;
 
     if (is_modelled != listing->of_modelled) return;
@@ -369,7 +370,7 @@ static void list_light_grids(const struct listing *listing)
 static void list_scattering(const struct listing *listing)
 {
     char why[EXPLAIN_SCATTERING_SIZE];
-    bool is_modelled = explain_scattering(listing->job, why);
+    bool is_modelled = explain_scattering(listing->job, listing->beyond, why);
 
     say(listing, is_modelled, "multiple scattering", "%s", why);
 }
@@ -422,34 +423,6 @@ static void list_method(const struct listing *listing)
     list_samples(listing);
 }
 
-// What can be said of the cost without rendering anything.
-static void write_count(const struct job *job, struct json_writer *writer)
-{
-    double evaluations = draft_count(job);
-    struct draft draft;
-
-    json_write_key(writer, "counted");
-    json_write_begin_object(writer);
-    json_write_integer_member(writer, "frames", frame_range_count(&job->frames));
-    json_write_integer_member(writer, "pixels", (int64_t)job->width_px * job->height_px);
-    if (evaluations > 0.0) json_write_number_member(writer, "evaluations", evaluations);
-    if (job->quality.is_draft) {
-        json_write_key(writer, "quality");
-        quality_to_json(writer, job, &job->quality);
-    }
-    json_write_key(writer, "methods");
-    json_write_begin_array(writer);
-    if (!draft_choose(&draft, job, NULL)) draft.option_count = 0;
-    for (size_t i = 0; i < draft.option_count; i++) {
-        json_write_begin_object(writer);
-        json_write_string_member(writer, "method", draft.options[i].name);
-        json_write_number_member(writer, "evaluations", draft.options[i].evaluations);
-        json_write_end_object(writer);
-    }
-    json_write_end_array(writer);
-    json_write_end_object(writer);
-}
-
 static void write_list(struct listing listing, const char *key, bool of_modelled)
 {
     listing.of_modelled = of_modelled;
@@ -464,15 +437,17 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
     json_write_end_array(listing.writer);
 }
 
-bool explain_write(const struct job *job, const char *shader_dir, const struct json_writer *plan,
-                   struct json_writer *writer, struct error *error)
+bool explain_write(const struct explain_params *params, struct json_writer *writer, struct error *error)
 {
+    const struct job *job = params->job;
+    const struct json_writer *plan = params->plan;
     struct scene_program program = {0};
     struct scene_inputs inputs = {0};
-    struct listing listing = {.writer = writer, .job = job, .program = &program, .inputs = &inputs};
+    struct listing listing = {
+        .writer = writer, .job = job, .program = &program, .inputs = &inputs, .beyond = params->beyond};
 
     if (!scene_inputs_open(&inputs, job, frame_range_at(&job->frames, 0), NULL, NULL, error)) return false;
-    if (!scene_program_init(&program, job, &inputs, shader_dir, error)) {
+    if (!scene_program_init(&program, job, &inputs, params->shader_dir, error)) {
         scene_inputs_finish(&inputs);
         return false;
     }
@@ -481,7 +456,8 @@ bool explain_write(const struct job *job, const char *shader_dir, const struct j
         json_write_key(writer, "plan");
         json_write_raw(writer, plan->text, plan->length);
     }
-    write_count(job, writer);
+    explain_count_write(job, writer);
+    job_beyond_write(params->beyond, writer);
     write_list(listing, "modelled", true);
     write_list(listing, "not_modelled", false);
     json_write_key(writer, "modules");

@@ -6,9 +6,15 @@
 
 struct error;
 struct job;
+struct job_beyond;
 struct json_writer;
 
-// Writes the result of `worker.explain` (docs/protocol.md) as one JSON object. `plan` is its member of that name, as
-// JSON text; NULL: none. A job that does not state its method is passed as planned, or as its draft.
-bool explain_write(const struct job *job, const char *shader_dir, const struct json_writer *plan,
-                   struct json_writer *writer, struct error *error);
+struct explain_params {
+    const struct job *job;           // one that does not state its method is passed as planned, or as its draft
+    const char *shader_dir;          // NULL: the embedded modules
+    const struct json_writer *plan;  // the member of that name, as JSON text; NULL: none
+    const struct job_beyond *beyond; // what the modelled orders of scattering leave out
+};
+
+// Writes the result of `worker.explain` (docs/protocol.md) as one JSON object.
+bool explain_write(const struct explain_params *params, struct json_writer *writer, struct error *error);

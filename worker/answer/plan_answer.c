@@ -57,6 +57,7 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_number_member(writer, "plan_s", plan->plan_s);
     json_write_number_member(writer, "error", plan->predicted_error);
     json_write_number_member(writer, "traced", plan->predicted_traced);
+    job_beyond_write(&plan->beyond, writer);
     json_write_end_object(writer);
 }
 

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/json/json_write.h"
+#include "worker/answer/beyond_answer.h"
 #include "worker/answer/explain.h"
 #include "worker/answer/measure_requests.h"
 #include "worker/answer/plan_answer.h"
@@ -28,6 +29,7 @@ static bool write_explanation(const struct job *job, bool is_planned, const stru
                               struct json_writer *writer, struct error *error)
 {
     struct json_writer predicted = {0};
+    struct job_beyond beyond = {0};
     struct draft draft;
     struct plan plan;
     struct job explained = *job;
@@ -36,11 +38,17 @@ static bool write_explanation(const struct job *job, bool is_planned, const stru
     if (is_auto && is_planned) {
         ok = plan_answer_write(job, tools, &predicted, &plan, error);
         if (ok) explained = plan_apply(&plan, job);
+        if (ok) beyond = plan.beyond;
     } else if (is_auto) {
         ok = draft_choose(&draft, job, error);
         if (ok) explained.quality = draft.quality;
     }
-    ok = ok && explain_write(&explained, tools->shader_dir, predicted.text ? &predicted : NULL, writer, error);
+    if (!predicted.text) ok = ok && beyond_answer_find(&explained, tools, &beyond, error);
+    ok = ok && explain_write(&(struct explain_params){.job = &explained,
+                                                      .shader_dir = tools->shader_dir,
+                                                      .plan = predicted.text ? &predicted : NULL,
+                                                      .beyond = &beyond},
+                             writer, error);
     json_writer_finish(&predicted);
     return ok;
 }
@@ -220,6 +228,7 @@ static const struct {
     {"worker.verify", request_answer_verify},
     {"worker.plan", answer_plan},
     {"worker.unseen", unseen_answer},
+    {"worker.beyond", beyond_answer},
 };
 
 static request_function *find_answer(const char *method)

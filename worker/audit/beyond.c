@@ -30,7 +30,7 @@ static const double TRIAL_SHARE = 0.25;  // of the draws that are allowed: for t
 static const double SAFETY = 0.8;        // of what is left: the draws that are expected
 static const double VOXEL_DRAWS = 0.35;  // that take as long as reading a voxel
 static const double READING_SHARE = 0.5; // of the draws: for reading files
-static const char TOO_MUCH[] = "the paths that would tell cost too much beside the job's work";
+static const char TOO_MUCH[] = "measuring it takes too much work";
 static const uint64_t TRIAL_SEED = 0x62f7b1c94d3e5a08u, SEED = 0x9d1c6e3b8a5f2471u;
 
 struct measuring {
@@ -181,7 +181,7 @@ static bool is_wanted(struct measuring *measuring)
     return !measuring->is_stopped;
 }
 
-// Finds how many pixels and paths the draws suffice for, from what the trials' paths cost: those count for nothing more.
+// Finds how many pixels and paths the draws suffice for, from what the trials' paths cost: they count for nothing else.
 static void count_pixels(struct measuring *measuring)
 {
     double most = TRIAL_SHARE * measuring->left, spent = 0.0, affordable;

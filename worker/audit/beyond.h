@@ -21,15 +21,15 @@ struct beyond_params {
     void *user;
 };
 
-// True where paths tell: some order is not modelled, something scatters, and the scene's surfaces and densities are such
-// as paths can follow. Else `beyond` says why not, or that nothing is left out. Reads no files. Densities whose files are
-// needed may be refused by beyond_measure yet.
+// True where paths tell: some order is not modelled, something scatters, and paths can follow the scene's surfaces and
+// densities. Else `beyond` says why not, or that nothing is left out. Reads no files: what needs its file may yet
+// be refused by beyond_measure.
 bool beyond_needs_paths(const struct job *job, int32_t frame, struct job_beyond *beyond);
 
 // Both pictures, that of the modelled orders and that of all, are those of the same paths, with one sample a pixel in
-// the middle of the shutter's time: the light that is left out is their difference, measured twice, by 8 to 64 paths, in
-// each of 64 to 1024 pixels that lie evenly in the picture. Both numbers follow from what some other paths cost.
-// Equal parameters give equal results. `drawn` (may be NULL) receives the random numbers that were drawn. False when it
-// was stopped. What cannot be measured says why: surfaces and densities that paths cannot follow, files that cannot be
-// read, black frames, too few draws.
+// the middle of the shutter's time: the light that is left out is their difference. It is measured twice, by 8 to 64
+// paths, in each of 64 to 1024 pixels that lie evenly in the picture. Both numbers follow from what some other paths
+// cost. Equal parameters give equal results. `drawn` (may be NULL) receives the random numbers that were drawn. False
+// when it was stopped. What cannot be measured says why: surfaces and densities that paths cannot follow, files that
+// cannot be read, black frames, too few draws.
 bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyond, double *drawn);

@@ -15,8 +15,8 @@
 #include <math.h>
 
 static const double SHARE = 0.02;
-// Evaluations that take as long as a draw with the look in reference/ that follows it: 45 to 200 ns of processor time in
-// the examples.
+// Evaluations that take as long as a draw with the look in reference/ that follows it: 45 to 200 ns of processor time
+// in the examples.
 static const double DRAW_WORK = 40.0;
 
 double plan_beyond_find_limit(double work)
@@ -62,9 +62,9 @@ bool plan_beyond_measure(struct plan *plan, const struct plan_params *params, en
     const struct job *job = params->job;
     double frames = scene_is_constant(&job->scene) ? 1.0 : (double)params->segment.count;
     double traced = (double)job->width_px * job->height_px * plan->predicted_traced;
+    double work = frames * traced * plan->work * plan->work_ratio + plan->making_work;
 
-    if (measure(params, &params->segment, frames * traced * plan->work * plan->work_ratio + plan->making_work,
-                open_truth(params, plan), &plan->beyond))
+    if (measure(params, &params->segment, params->is_timed ? INFINITY : work, open_truth(params, plan), &plan->beyond))
         return true;
     *fault = RENDERER_FAULT_STOPPED;
     error_set(error, "the frame was stopped");
@@ -77,4 +77,11 @@ bool plan_beyond_measure_stated(const struct plan_params *params, struct job_bey
     struct plan_segment segment = plan_segment_at(job, 0);
 
     return measure(params, &segment, draft_count(job) * job->width_px * job->height_px, NULL, beyond);
+}
+
+bool plan_beyond_measure_asked(const struct plan_params *params, struct job_beyond *beyond)
+{
+    struct plan_segment segment = plan_segment_at(params->job, 0);
+
+    return measure(params, &segment, INFINITY, NULL, beyond);
 }

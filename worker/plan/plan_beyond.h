@@ -15,11 +15,14 @@ struct plan;
 // is rendered; at most as many as take as long as such a link.
 double plan_beyond_find_limit(double work);
 
-// Sets the plan's `beyond`, in the segment's pilot frames. The plan is whole but for predicted seconds. On failure
-// `fault` is one of the renderer's: it was stopped.
+// Sets the plan's `beyond`, in the segment's pilot frames. The plan is whole but for predicted seconds; where
+// those are wanted, somebody asks and nothing is rendered by the plan: no work limits it. On failure `fault` is one of
+// the renderer's: it was stopped.
 bool plan_beyond_measure(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                          struct error *error);
 // Of a job that states its method, or a draft: in the first segment's pilot frames, beside the work of one frame, since
 // every worker that renders some of its frames measures it for itself. False when it was stopped. `params` need no
 // segment.
 bool plan_beyond_measure_stated(const struct plan_params *params, struct job_beyond *beyond);
+// The same for whoever asks before anything is rendered: as exactly as the longest job has it.
+bool plan_beyond_measure_asked(const struct plan_params *params, struct job_beyond *beyond);

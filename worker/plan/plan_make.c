@@ -402,8 +402,9 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     chosen.done = &done;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = (params->job->scene.orders == 1 ? choose_plan : choose_scattered)(plan, &chosen, fault, error);
-    ok = ok && plan_pixels_choose(plan, &chosen, fault, error) && plan_beyond_measure(plan, &chosen, fault, error);
+    ok = ok && plan_pixels_choose(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;
+    ok = ok && plan_beyond_measure(plan, &chosen, fault, error);
     if (params->is_timed)
         ok = ok && plan_time_predict(plan, &chosen, fault, error) &&
              plan_overhead_predict(plan, &chosen, chosen.evidence, fault, error);

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
+#include "core/job/job_beyond.h"
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
@@ -27,10 +28,11 @@ struct explanation {
 
 static void explain(struct explanation *explanation, const struct job *job)
 {
+    const struct explain_params params = {.job = job, .beyond = &(struct job_beyond){0}};
     struct error error = {{0}};
 
     *explanation = (struct explanation){0};
-    if (!explain_write(job, NULL, NULL, &explanation->writer, &error) ||
+    if (!explain_write(&params, &explanation->writer, &error) ||
         !json_parse(&explanation->root, explanation->writer.text, explanation->writer.length, &error))
         fail_msg("%s", error.message);
     explanation->node = json_node_root(explanation->root);
@@ -328,10 +330,11 @@ static void a_missing_camera_view_is_an_error(void **state)
     struct error error = {{0}};
     struct json_writer writer = {0};
     struct job job;
+    const struct explain_params params = {.job = &job, .beyond = &(struct job_beyond){0}};
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     job.scene.camera.target = job.scene.camera.position;
-    assert_false(explain_write(&job, NULL, NULL, &writer, &error));
+    assert_false(explain_write(&params, &writer, &error));
     assert_non_null(strstr(error.message, "camera.target"));
     assert_int_equal(writer.length, 0);
     json_writer_finish(&writer);
