@@ -62,19 +62,17 @@ void bias_check_find_truth(const struct bias_check_scene *scene, double truth[st
     job_finish(&job);
 }
 
-void bias_check_find_paths(const struct bias_check_scene *scene, long count, double truth[static BIAS_CHECK_VALUES],
-                           double errors[static BIAS_CHECK_VALUES])
+void bias_check_find_job_paths(const struct job *job, long count, double truth[static BIAS_CHECK_VALUES],
+                               double errors[static BIAS_CHECK_VALUES])
 {
     struct error error = {{0}};
     struct truth_files files = {0};
     struct paths *paths;
     struct still still;
-    struct job job;
 
-    bias_check_parse(&job, scene);
-    if (!truth_files_load(&files, &job, 0, &error)) fail_msg("%s", error.message);
-    still_init_with_inputs(&still, &job, 0, &files.inputs);
-    paths = paths_create(&still, job.scene.orders, &error);
+    if (!truth_files_load(&files, job, 0, &error)) fail_msg("%s", error.message);
+    still_init_with_inputs(&still, job, 0, &files.inputs);
+    paths = paths_create(&still, job->scene.orders, &error);
     if (!paths) fail_msg("%s", error.message);
     for (int i = 0; i < BIAS_CHECK_VALUES / 3; ++i) {
         struct paths_light light;
@@ -86,6 +84,15 @@ void bias_check_find_paths(const struct bias_check_scene *scene, long count, dou
     }
     paths_destroy(paths);
     truth_files_finish(&files);
+}
+
+void bias_check_find_paths(const struct bias_check_scene *scene, long count, double truth[static BIAS_CHECK_VALUES],
+                           double errors[static BIAS_CHECK_VALUES])
+{
+    struct job job;
+
+    bias_check_parse(&job, scene);
+    bias_check_find_job_paths(&job, count, truth, errors);
     job_finish(&job);
 }
 
@@ -123,36 +130,33 @@ static void add(struct sums *sums, const struct image *image, const double *trut
     sums->wholes[1] += whole * whole;
 }
 
-static void render(struct sums *sums, const struct bias_check_scene *scene, const double *truth, int frames)
+static void render(struct sums *sums, const struct job *job, const double *truth, int frames)
 {
     struct error error = {{0}};
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image image;
-    struct job job;
 
-    bias_check_parse(&job, scene);
     assert_true(image_init(&image, BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, true, true, NULL));
     for (int32_t frame = 0; frame < frames; ++frame) {
         struct renderer_result result;
 
-        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = frame, .image = &image},
+        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image},
                              &result, &error))
             fail_msg("%s", error.message);
         add(sums, &image, truth);
     }
     image_finish(&image);
     gl_stage_close(stage);
-    job_finish(&job);
 }
 
-struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
-                                            const double truth[static BIAS_CHECK_VALUES], int frames)
+struct bias_check_errors bias_check_measure_job(const struct job *job, const double truth[static BIAS_CHECK_VALUES],
+                                                const double *noise, int frames)
 {
     struct sums sums = {0};
     struct bias_check_errors errors = {0};
-    double mean = 0, bias, square = 0, variance = 0, noise_of_mean, noise;
+    double mean = 0, bias, square = 0, variance = 0, noise_of_mean, own;
 
-    render(&sums, scene, truth, frames);
+    render(&sums, job, truth, frames);
     for (size_t i = 0; i < BIAS_CHECK_VALUES; ++i) {
         double off = sums.first[i] / frames;
 
@@ -160,12 +164,24 @@ struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene
         square += off * off / BIAS_CHECK_VALUES;
         variance += (sums.second[i] / frames - off * off) / BIAS_CHECK_VALUES;
     }
-    find_noise(scene->noise, &noise_of_mean, &noise);
+    find_noise(noise, &noise_of_mean, &own);
     bias = sums.wholes[0] / frames;
     errors.bias = bias / mean;
     errors.sigmas = bias / sqrt(fmax((sums.wholes[1] / frames - bias * bias) / (frames - 1) + noise_of_mean, 1e-30));
-    errors.chance = square / fmax(variance / (frames - 1) + noise, 1e-30);
+    errors.chance = square / fmax(variance / (frames - 1) + own, 1e-30);
     errors.spread = sqrt(fmax(variance, 0)) / mean;
+    return errors;
+}
+
+struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
+                                            const double truth[static BIAS_CHECK_VALUES], int frames)
+{
+    struct bias_check_errors errors;
+    struct job job;
+
+    bias_check_parse(&job, scene);
+    errors = bias_check_measure_job(&job, truth, scene->noise, frames);
+    job_finish(&job);
     print_message("%.70s: bias %+.1e, %+.1f standard errors, chance %.2f, spread %.2f\n", scene->quality, errors.bias,
                   errors.sigmas, errors.chance, errors.spread);
     return errors;

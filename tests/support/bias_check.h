@@ -38,6 +38,12 @@ void bias_check_find_truth(const struct bias_check_scene *scene, double truth[st
 // The same for any orders of scattering, by `count` random paths a pixel; `errors` has the standard errors of `truth`.
 void bias_check_find_paths(const struct bias_check_scene *scene, long count, double truth[static BIAS_CHECK_VALUES],
                            double errors[static BIAS_CHECK_VALUES]);
+// The same of any job of that size, whose light does not change but from frame to frame by chance.
+void bias_check_find_job_paths(const struct job *job, long count, double truth[static BIAS_CHECK_VALUES],
+                               double errors[static BIAS_CHECK_VALUES]);
 // Renders `frames` frames, compares them with `truth` and prints the errors.
 struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
                                             const double truth[static BIAS_CHECK_VALUES], int frames);
+// The same of any job of that size; `noise` as in struct bias_check_scene.
+struct bias_check_errors bias_check_measure_job(const struct job *job, const double truth[static BIAS_CHECK_VALUES],
+                                                const double *noise, int frames);

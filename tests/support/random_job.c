@@ -12,7 +12,7 @@
 struct scribe {
     FILE *out;
     struct random random;
-    bool is_colored;
+    bool is_colored, scatters, has_solids;
     const char *volume; // a file of voxels
 };
 
@@ -50,7 +50,7 @@ static void write_color(struct scribe *scribe, const char *key, double high)
 static void write_bounds(struct scribe *scribe)
 {
     static const char *const KINDS[] = {"sphere", "box", "slab"};
-    int kind = choice(scribe, 3);
+    int kind = choice(scribe, scribe->scatters ? 2 : 3);
 
     fprintf(scribe->out, ", \"bounds\": {\"kind\": \"%s\", ", KINDS[kind]);
     write_vector(scribe, "center", -0.25, 0.25);
@@ -141,6 +141,25 @@ static bool write_density(struct scribe *scribe)
     return has_transfer;
 }
 
+// Absorbs little or nothing, with a lobe of any width.
+static void write_white_medium(struct scribe *scribe)
+{
+    static const double ABSORBED[] = {0.0, 0.02, 0.2, 1.0};
+
+    if (!write_density(scribe)) {
+        fputs(", ", scribe->out);
+        write_color(scribe, "sigma_s", choice(scribe, 2) ? 2.0 : 5.0);
+        fputs(", ", scribe->out);
+        write_color(scribe, "sigma_a", ABSORBED[choice(scribe, 4)]);
+        if (choice(scribe, 4) == 0) {
+            fputs(", ", scribe->out);
+            write_color(scribe, "emission", 0.3);
+        }
+        fprintf(scribe->out, ", \"phase\": [{\"g\": %.6f, \"weight\": 1}]", number(scribe, -0.6, 0.9));
+    }
+    fputs("}", scribe->out);
+}
+
 static void write_medium(struct scribe *scribe)
 {
     if (!write_density(scribe)) {
@@ -184,6 +203,93 @@ static void write_light(struct scribe *scribe)
     fputs("}", scribe->out);
 }
 
+static void write_sized_light(struct scribe *scribe)
+{
+    fputs("{\"kind\": \"sphere\", ", scribe->out);
+    write_vector(scribe, "position", -1.5, 1.5);
+    fputs(", ", scribe->out);
+    write_number(scribe, "radius", 0.05, 0.5);
+    fputs(", ", scribe->out);
+    write_color(scribe, "intensity", 4.0);
+    fputs("}", scribe->out);
+}
+
+static void write_spot(struct scribe *scribe)
+{
+    double inner = number(scribe, 0.0, 30.0);
+
+    fprintf(scribe->out, "{\"kind\": \"spot\", \"inner\": %.6f, \"outer\": %.6f, ", inner,
+            inner + number(scribe, 1.0, 30.0));
+    write_vector(scribe, "position", 0.9, 1.6);
+    fputs(", ", scribe->out);
+    write_vector(scribe, "direction", -1.0, -0.6);
+    fputs(", ", scribe->out);
+    write_color(scribe, "intensity", 20.0);
+    fputs("}", scribe->out);
+}
+
+static void write_dome(struct scribe *scribe)
+{
+    fputs("{\"kind\": \"dome\", ", scribe->out);
+    if (choice(scribe, 2)) {
+        write_color(scribe, "radiance", 1.0);
+    } else {
+        fputs("\"gradient\": {", scribe->out);
+        write_color(scribe, "along", 2.0);
+        fputs(", ", scribe->out);
+        write_color(scribe, "against", 0.5);
+        fputs(", ", scribe->out);
+        write_vector(scribe, "axis", 0.1, 1.0);
+        fputs("}", scribe->out);
+    }
+    fputs("}", scribe->out);
+}
+
+// Some light always, and at the end a black one that moves.
+static void write_all_lights(struct scribe *scribe)
+{
+    int spots = choice(scribe, 2), others = 1 + choice(scribe, 2);
+
+    fputs("[", scribe->out);
+    for (int i = 0; i < others; i++) {
+        write_light(scribe);
+        fputs(", ", scribe->out);
+    }
+    if (spots) write_spot(scribe);
+    if (spots) fputs(", ", scribe->out);
+    if (choice(scribe, 2)) {
+        write_dome(scribe);
+        fputs(", ", scribe->out);
+    }
+    if (scribe->has_solids && choice(scribe, 2)) {
+        write_sized_light(scribe);
+        fputs(", ", scribe->out);
+    }
+    fputs("{\"kind\": \"point\", \"intensity\": 0, \"position\": {\"start\": [0, 9, 0], \"rate\": [1, 0, 0]}}]",
+          scribe->out);
+}
+
+static void write_solids(struct scribe *scribe)
+{
+    fputs(", \"objects\": [{\"kind\": \"plane\", ", scribe->out);
+    fprintf(scribe->out, "\"point\": [0, %.6f, 0], \"material\": {\"kind\": \"diffuse\", ", number(scribe, -1.0, -0.6));
+    write_color(scribe, "albedo", 1.0);
+    fputs("}}, {\"kind\": \"box\", ", scribe->out);
+    write_vector(scribe, "center", -0.7, 0.7);
+    fputs(", ", scribe->out);
+    write_vector(scribe, "size", 0.2, 0.8);
+    fputs(", \"material\": {\"kind\": \"diffuse\", ", scribe->out);
+    write_color(scribe, "albedo", 1.0);
+    fputs("}}]", scribe->out);
+}
+
+static void write_scattering(struct scribe *scribe)
+{
+    static const char *const ORDERS[] = {"2", "3", "6", "\"all\"", "\"all\""};
+
+    fprintf(scribe->out, "\"scattering\": {\"orders\": %s}, ", ORDERS[choice(scribe, 5)]);
+}
+
 static void write_list(struct scribe *scribe, int count, void write(struct scribe *))
 {
     fputs("[", scribe->out);
@@ -198,7 +304,11 @@ char *random_job_write(const struct random_job *params)
 {
     char *text = NULL;
     size_t length;
-    struct scribe scribe = {.out = open_memstream(&text, &length), .random = {params->seed}, .volume = params->volume};
+    struct scribe scribe = {.out = open_memstream(&text, &length),
+                            .random = {params->seed},
+                            .volume = params->volume,
+                            .scatters = params->scatters,
+                            .has_solids = params->scatters && params->has_solids};
     bool is_inside;
     double x, y, z;
 
@@ -211,18 +321,25 @@ char *random_job_write(const struct random_job *params)
     y = number(&scribe, -0.2, 0.2);
     z = is_inside ? number(&scribe, -0.2, 0.2) : number(&scribe, 2.0, 2.6);
     fprintf(scribe.out,
-            "{\"version\": 1, \"name\": \"random\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [%d, %d],"
+            "{\"version\": 1, \"name\": \"random\", \"frames\": \"%s\", \"fps\": 24, \"resolution\": [%d, %d],"
             " \"camera\": {\"fov\": 40, \"clip\": [0, 6], \"up\": [0.1, 1, 0], \"position\": [%.6f, %.6f, %.6f], ",
-            params->width_px, params->height_px, x, y, z);
+            params->scatters ? "0-99" : "0", params->width_px, params->height_px, x, y, z);
     fputs("\"target\": [0.05, 0.02, -1]}, ", scribe.out);
     if (choice(&scribe, 3) == 0) {
         write_color(&scribe, "background", 1.0);
         fputs(", ", scribe.out);
     }
     fputs("\"lights\": ", scribe.out);
-    write_list(&scribe, choice(&scribe, 4), write_light);
-    fputs(", \"scene\": {\"media\": ", scribe.out);
-    write_list(&scribe, 1 + choice(&scribe, 4), write_medium);
+    if (scribe.scatters)
+        write_all_lights(&scribe);
+    else
+        write_list(&scribe, choice(&scribe, 4), write_light);
+    fputs(", \"scene\": {", scribe.out);
+    if (scribe.scatters) write_scattering(&scribe);
+    fputs("\"media\": ", scribe.out);
+    write_list(&scribe, 1 + choice(&scribe, scribe.scatters ? 2 : 4),
+               scribe.scatters ? write_white_medium : write_medium);
+    if (scribe.has_solids && choice(&scribe, 2)) write_solids(&scribe);
     fprintf(scribe.out,
             "}, \"quality\": %s, \"output\": {\"path\": \"random.####.exr\", \"aovs\": [\"Z\", \"transmittance\"]}}",
             params->quality);
