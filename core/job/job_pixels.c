@@ -17,8 +17,7 @@ static bool is_rough(const struct scene_material *material)
 
 const char *job_pixels_obstacle(const struct scene *scene, enum job_method method)
 {
-    if (method == JOB_METHOD_TRACKING || method == JOB_METHOD_JITTERED || method == JOB_METHOD_PATHS)
-        return job_method_name(method);
+    if (method == JOB_METHOD_TRACKING || method == JOB_METHOD_JITTERED) return job_method_name(method);
     for (size_t i = 0; i < scene->object_count; i++)
         if (is_rough(&scene->objects[i].material)) return "a rough surface";
     return NULL;

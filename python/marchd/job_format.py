@@ -772,8 +772,21 @@ class Paths(TypedDict):
     # Random paths of a pixel.
     paths: int
     samples: NotRequired[int]
-    pixels: NotRequired[Pixels]
     max_cut: NotRequired[float]
+
+
+class PathsSparse(TypedDict):
+    """Random paths of a part of the pixels, and a march that shows what is seen without scattering."""
+
+    method: Literal["paths"]
+    # Random paths of a traced pixel.
+    paths: int
+    # Step of the march, m; required where density varies.
+    step: NotRequired[float]
+    # Step of the march.
+    step_voxels: NotRequired[float]
+    samples: NotRequired[int]
+    pixels: Pixels
 
 
 class Output(TypedDict):
@@ -846,7 +859,7 @@ Object: TypeAlias = SphereObject | BoxObject | PlaneObject | UnionObject
 # A method and its numbers, or a tolerance, or the one word draft; a tolerance of 0.01 if absent.
 Quality: TypeAlias = (
     Literal["draft"] | Auto | Riemann | Midpoint | Equiangular | Adaptive | Gauss | Cached | Tracking |
-    TrackingMarched | Paths
+    TrackingMarched | Paths | PathsSparse
 )
 
 __all__ = [
@@ -918,6 +931,7 @@ __all__ = [
     "Outer",
     "Output",
     "Paths",
+    "PathsSparse",
     "Pixels",
     "PlaneObject",
     "PlaneShape",

@@ -7,7 +7,7 @@
 // Sums over paths, and the flight with which the path goes on that is not over.
 struct Walk {
     Spectrum light;
-    Spectrum passed; // transmittance of the rays that begin at negative numbers
+    Spectrum passed; // transmittance of the rays that begin at negative numbers; of a layer, half its paths' light
     vec2 depth;      // the distances where it fell to one half, and their number; behind these rays, their mean and 1
     int path, order; // its number, and its scatterings so far
     vec3 origin, direction;
@@ -46,7 +46,7 @@ Spectrum walk_thin(Spectrum weight, float least)
 bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
 {
     Spectrum thin = max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
-    walk.light += walk.weight * walk_emission(field, point) / rate;
+    if (walk.order > 0 || !WALK_IS_LAYER) walk.light += walk.weight * walk_emission(field, point) / rate;
     float scattered = spectrum_mean(walk.weight * walk_scattering(field)) / rate;
     float odds = scattered / max(scattered + spectrum_mean(walk.weight * thin), 1e-30);
     bool is_met = odds > 0.0 && walk_random() < odds;
@@ -169,6 +169,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 ++walk.path;
                 walk.order = 0;
                 if (walk.path == 0) walk.depth = walk_depth(walk.depth, passes);
+                if (WALK_IS_LAYER && walk.path == count / 2) walk.passed = walk.light;
                 WalkRay ray = walk_start(walk.path);
                 vertex = ray.origin;
                 left = 0u;

@@ -10,6 +10,7 @@
 #include "worker/audit/truth.h"
 #include "worker/audit/truth_files.h"
 #include "worker/picture/image.h"
+#include "worker/picture/pixel.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
@@ -134,13 +135,21 @@ static void render(struct sums *sums, const struct job *job, const double *truth
 {
     struct error error = {{0}};
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct pixel pixels[BIAS_CHECK_VALUES / 3];
     struct image image;
 
+    for (int i = 0; i < BIAS_CHECK_VALUES / 3; ++i)
+        pixels[i] = (struct pixel){i % BIAS_CHECK_WIDTH_PX, i / BIAS_CHECK_WIDTH_PX};
     assert_true(image_init(&image, BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, true, true, NULL));
     for (int32_t frame = 0; frame < frames; ++frame) {
         struct renderer_result result;
 
-        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image},
+        if (!renderer_render(stage.renderer,
+                             &(struct renderer_frame){.job = job,
+                                                      .frame = frame,
+                                                      .pixels = job->quality.pixels.stride > 0 ? pixels : NULL,
+                                                      .pixel_count = BIAS_CHECK_VALUES / 3,
+                                                      .image = &image},
                              &result, &error))
             fail_msg("%s", error.message);
         add(sums, &image, truth);

@@ -41,7 +41,8 @@ void bias_check_find_paths(const struct bias_check_scene *scene, long count, dou
 // The same of any job of that size, whose light does not change but from frame to frame by chance.
 void bias_check_find_job_paths(const struct job *job, long count, double truth[static BIAS_CHECK_VALUES],
                                double errors[static BIAS_CHECK_VALUES]);
-// Renders `frames` frames, compares them with `truth` and prints the errors.
+// Renders `frames` frames, each as a list of its pixels where the job traces a part of them, compares them with `truth`
+// and prints the errors.
 struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
                                             const double truth[static BIAS_CHECK_VALUES], int frames);
 // The same of any job of that size; `noise` as in struct bias_check_scene.

@@ -2,6 +2,7 @@
 #include "worker/model/scene_features.h"
 
 #include "core/job/job.h"
+#include "core/job/job_layers.h"
 #include "core/scene/light_rules.h"
 #include "worker/density/density_kind.h"
 #include "worker/glsl/timeline_value.h"
@@ -129,9 +130,11 @@ static void add_tracking(struct scene_features *features, const struct job_quali
 }
 
 // Paths replace marches of every kind.
-static void add_walk(struct scene_features *features, const struct job_quality *quality)
+static void add_walk(struct scene_features *features, const struct job *job)
 {
-    if (quality->method != JOB_METHOD_PATHS || features->medium_count == 0) return;
+    features->is_scattered = job_layers_are_two(job);
+    if (features->is_scattered) features->has_background = features->dome_is_behind = false;
+    if (job->quality.method != JOB_METHOD_PATHS || features->medium_count == 0) return;
     // Without a medium that is seen, an empty one is there.
     if (!features->has_media && features->has_objects) features->has_media = features->media[0].is_seen = true;
     if (!features->has_media) return;
@@ -179,7 +182,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     add_tracking(&features, &job->quality);
-    add_walk(&features, &job->quality);
+    add_walk(&features, job);
     features.is_rgb |=
         features.has_background && !features.dome_is_behind && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)

@@ -67,6 +67,7 @@ struct scene_features {
     bool estimates_columns; // the transmittance of media that vary is estimated
     bool is_walked;         // light comes by random paths of any number of scatterings, among majorants
     bool tracks_to_lights;  // so does the transmittance from a path's vertex to a light; else it has a closed form
+    bool is_scattered;      // the picture is the layer of scattered light alone (core/job/job_layers.h)
     bool is_sliced;         // the picture is drawn in slices: each goes as far as the driver lets loops run
     bool is_random;         // something uses random numbers
     bool has_scatter_grid;  // light that was scattered before comes from a grid

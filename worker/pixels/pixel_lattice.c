@@ -5,6 +5,7 @@
 #include "worker/picture/image.h"
 #include "worker/pixels/pixel_calm.h"
 #include "worker/pixels/pixel_guard.h"
+#include "worker/pixels/pixel_noise.h"
 #include "worker/pixels/pixel_spread.h"
 #include "worker/pixels/voxel_guards.h"
 
@@ -135,6 +136,7 @@ static float find_surprise(const struct pixel_lattice *lattice, size_t place, co
 
     for (int c = 0; c < 3; c++)
         off = fmaxf(off, fabsf(traced[c] - expected[c]));
+    if (lattice->params.has_noise && pixel_noise_explains(lattice->planes.transmittance + 4 * place, off)) return 0.0f;
     return SURPRISE * off / (float)(lattice->params.threshold * lattice->rms);
 }
 
@@ -187,6 +189,7 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
     for (size_t i = 0; i < params->guard_count; i++)
         pixel_guard_mark(&params->guards[i], finer->stride, finer->columns, finer->rows, finer->forced);
     if (params->voxels) voxel_guards_mark(params->voxels, finer->stride, finer->columns, finer->rows, finer->forced);
+    if (params->has_noise) pixel_noise_pool(planes->transmittance, lattice->columns, lattice->rows);
     pixel_spread_init(&finer->colour, planes->rgba, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->transmittance, planes->transmittance, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->paths, planes->paths, lattice->columns, lattice->rows, finer->columns);
@@ -200,7 +203,7 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
                                                                      .finer_rows = finer->rows});
     for (int c = 0; c < 4; c++) {
         finer->colour.scale[c] = c < 3 ? scale : whole;
-        finer->transmittance.scale[c] = c < 3 ? whole : 0.0f;
+        finer->transmittance.scale[c] = c < 3 && !params->has_noise ? whole : 0.0f;
     }
     finer->doubt = xcalloc((size_t)finer->columns + 2 * REACH, sizeof(float));
     finer->doubt += REACH;
@@ -292,6 +295,15 @@ static void spread_plane(const struct refinement *finer, const struct pixel_spre
     }
 }
 
+// Bends that noise explains leave no doubt, but are none of a calm picture.
+static void spread_noise(struct refinement *finer, int row)
+{
+    float *noise = finer->planes.transmittance + 4 * (size_t)finer->columns * (size_t)row;
+
+    pixel_spread_row_linear(&finer->transmittance, row, (struct pixel_run){0, finer->columns_before}, noise);
+    pixel_noise_lower(noise, finer->colour.scale[0], finer->columns, finer->doubt);
+}
+
 static void spread_row(struct refinement *finer, int row)
 {
     const struct pixel_calm *calm = calm_of(finer, row);
@@ -302,7 +314,10 @@ static void spread_row(struct refinement *finer, int row)
     memset(finer->doubt, 0, size);
     memset(widened, 0, size);
     spread_plane(finer, &finer->colour, row, finer->planes.rgba);
-    if (finer->planes.transmittance) spread_plane(finer, &finer->transmittance, row, finer->planes.transmittance);
+    if (finer->lattice->params.has_noise)
+        spread_noise(finer, row);
+    else if (finer->planes.transmittance)
+        spread_plane(finer, &finer->transmittance, row, finer->planes.transmittance);
     if (finer->planes.paths)
         pixel_spread_row_linear(&finer->paths, row, (struct pixel_run){0, finer->columns_before},
                                 finer->planes.paths + 4 * (size_t)finer->columns * (size_t)row);

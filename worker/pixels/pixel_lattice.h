@@ -20,6 +20,7 @@ struct pixel_lattice_params {
     double threshold; // a pixel is traced where the picture bends more (pixel_spread.h): colours relative to the RMS of
                       // the picture, alpha and transmittance as they are
     bool has_paths;
+    bool has_noise;                   // the light is random, and its transmittance tells how (pixel_noise.h)
     bool has_edges;                   // signatures are kept at stride 1, for pixel_edges_find
     const struct pixel_guard *guards; // borrowed; outlive the lattice
     size_t guard_count;

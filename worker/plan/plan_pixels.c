@@ -44,7 +44,7 @@ static bool is_worthwhile(const struct job *job, enum job_method method)
     if (job->width_px < SIDE_MIN || job->height_px < SIDE_MIN || moves_grids) return false;
     // Frames that are all the same are copied.
     if (is_still && frame_range_count(&job->frames) > 1) return false;
-    return !job_pixels_obstacle(scene, method);
+    return method != JOB_METHOD_PATHS && !job_pixels_obstacle(scene, method);
 }
 
 // Interpolation and reading lists back take tens of milliseconds of a processor in a frame of two million pixels.

@@ -4,10 +4,12 @@
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/job/job_layers.h"
 #include "worker/gl/gl_context.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/picture/image.h"
 #include "worker/render/drawing.h"
+#include "worker/render/frame_layers.h"
 #include "worker/render/passes.h"
 #include "worker/render/pixel_layout.h"
 #include "worker/render/sparse_drawing.h"
@@ -267,8 +269,8 @@ static bool can_be_sliced(const struct rendering *rendering)
     return scene_features_can_be_sliced(&features);
 }
 
-bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
-                     struct error *error)
+bool renderer_render_layer(struct renderer *renderer, const struct renderer_frame *frame,
+                           struct renderer_result *result, struct error *error)
 {
     const struct job *job = frame->job;
     struct rendering rendering = {.frame = frame,
@@ -310,6 +312,13 @@ out:
     pixel_layout_finish(&rendering.layout);
     scene_inputs_finish(&rendering.inputs);
     return ok;
+}
+
+bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
+                     struct error *error)
+{
+    return job_layers_are_two(frame->job) ? frame_layers_add(renderer, renderer_render_layer, frame, result, error)
+                                          : renderer_render_layer(renderer, frame, result, error);
 }
 
 void renderer_watch_links(struct renderer *renderer, void (*on_link)(void *user, bool begins), void *user)

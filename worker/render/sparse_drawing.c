@@ -152,7 +152,9 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     struct scene_guards guards;
     struct voxel_guards voxels;
     struct pixel_lattice lattice;
-    bool ok, has_edges = drawing->passes->count > 1 && drawing->passes->are_still;
+    // The noise of a centre's paths would pass for an edge.
+    bool is_scattered = drawing->scene->model.features.is_scattered;
+    bool ok, has_edges = drawing->passes->count > 1 && drawing->passes->are_still && !is_scattered;
     int level_count = 2; // the last one is that of edges
 
     for (int stride = quality->pixels.stride; stride > 1; stride /= 2)
@@ -162,14 +164,16 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     drawing->user = &progress;
     scene_guards_init(&guards, sparse->job, drawing->scene->model.inputs, sparse->frame);
     find_voxels(sparse, &voxels);
-    pixel_lattice_init(&lattice, &(struct pixel_lattice_params){.image = image,
-                                                                .stride = quality->pixels.stride,
-                                                                .threshold = quality->pixels.threshold,
-                                                                .has_paths = sparse->has_paths,
-                                                                .has_edges = has_edges,
-                                                                .guards = guards.list,
-                                                                .guard_count = guards.count,
-                                                                .voxels = voxels.strides ? &voxels : NULL});
+    pixel_lattice_init(&lattice,
+                       &(struct pixel_lattice_params){.image = image,
+                                                      .stride = quality->pixels.stride,
+                                                      .threshold = quality->pixels.threshold,
+                                                      .has_paths = sparse->has_paths,
+                                                      .has_noise = is_scattered,
+                                                      .has_edges = has_edges,
+                                                      .guards = guards.list,
+                                                      .guard_count = guards.count,
+                                                      .voxels = voxels.strides && !is_scattered ? &voxels : NULL});
     sparse->traced = 0.0;
     if (has_edges) {
         ok = draw_centres(sparse, &lattice, &progress, error);

@@ -377,8 +377,10 @@ static void write_limits(FILE *out, const struct scene_model *model)
 {
     int turns = ITERATION_LIMIT / 3 / (1 + FLIGHTS * count_loops(model));
 
-    fprintf(out, "const int WALK_FLIGHTS = %d;\nconst int WALK_CELLS = %d;\nconst int WALK_TURNS = %d;\n", FLIGHTS,
-            CELLS, turns > 1 ? turns : 1);
+    fprintf(out,
+            "const int WALK_FLIGHTS = %d;\nconst int WALK_CELLS = %d;\nconst int WALK_TURNS = %d;\n"
+            "const bool WALK_IS_LAYER = %s;\n",
+            FLIGHTS, CELLS, turns > 1 ? turns : 1, model->features.is_scattered ? "true" : "false");
 }
 
 void scene_glue_write_walk(FILE *out, const struct scene_model *model)

@@ -20,6 +20,8 @@ struct scene_model;
 // and how many flights a turn of its loop takes at most, how many cells of the majorant a flight goes through, and how
 // many turns there are before it is to be continued, so that software GL cuts no loop:
 //   WALK_FLIGHTS, WALK_CELLS, WALK_TURNS
+// and whether only scattered light counts (core/job/job_layers.h):
+//   WALK_IS_LAYER
 void scene_glue_write_walk(FILE *out, const struct scene_model *model);
 // Writes `walk_start(path)` for camera rays, and the variables that it reads.
 void scene_glue_write_walk_start(FILE *out);

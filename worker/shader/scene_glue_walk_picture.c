@@ -48,11 +48,17 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
           out);
 }
 
+// Whether paths tell what lies behind: a layer of scattered light leaves that to the one of what is seen.
+static bool finds_passed(const struct scene_features *features)
+{
+    return (features->has_extinction || features->has_objects) && !features->is_scattered;
+}
+
 // Transmittance is estimated by a fraction of the paths' number.
 static void write_sums(FILE *out, const struct scene_model *model)
 {
     const struct scene_camera *camera = &model->job->scene.camera;
-    bool dims = model->features.has_extinction || model->features.has_objects;
+    bool dims = finds_passed(&model->features);
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
     fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
@@ -81,6 +87,15 @@ static void write_sums(FILE *out, const struct scene_model *model)
     if (dims) fputs("    pixel_is_dimmed = spectrum_mean(passed) < 1.0;\n", out);
 }
 
+// Ends the colour of a layer of scattered light, and tells its noise. Its rays have no extinction but where media are.
+static void write_noise(FILE *out)
+{
+    fputs("), 0.0);\n"
+          "    transmittance = vec4(spectrum_rgb(2.0 * walk.passed - walk.light) / float(paths), 0.0);\n"
+          "    pixel_is_dimmed = interval.x < interval.y && interval.y > 0.0;\n",
+          out);
+}
+
 void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -91,8 +106,12 @@ void scene_glue_write_walk_picture(FILE *out, const struct scene_model *model)
         fputs(" + passed * ", out);
         scene_glue_light_write_behind(out, model, "direction");
     }
-    fprintf(out, "), %s);\n", scene_has_behind(&model->job->scene) ? "1.0" : "1.0 - spectrum_mean(passed)");
-    if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
+    if (features->is_scattered) {
+        write_noise(out);
+    } else {
+        fprintf(out, "), %s);\n", scene_has_behind(&model->job->scene) ? "1.0" : "1.0 - spectrum_mean(passed)");
+        if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(passed), 0.0);\n", out);
+    }
     if (features->has_depth) {
         fputs("    float half_way = walk.depth.x;\n", out);
         if (model->job->quality.samples > 1)

@@ -162,6 +162,16 @@ static void random_paths_are_read(void **state)
     assert_true(job_quality_states_method(&quality) && !job_method_takes_steps(quality.method));
 }
 
+static void paths_of_a_part_of_the_pixels_are_read(void **state)
+{
+    struct job_quality quality =
+        read_quality("{\"method\":\"paths\",\"paths\":4096,\"step\":0.5,\"pixels\":{\"stride\":8,\"threshold\":0.01}}");
+
+    assert_true(quality.paths == 4096 && quality.step == 0.5 && quality.pixels.stride == 8);
+}
+
+#define SPARSE_PATHS "\"method\":\"paths\",\"paths\":8,\"pixels\":{\"threshold\":0.1}"
+
 static void scatter_grids_are_read(void **state)
 {
     struct job_quality quality =
@@ -257,6 +267,13 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.pixels: not with jittered, which has random numbers of its own in each pixel"},
         {"quality", "{\"tolerance\":0.01,\"pixels\":{\"threshold\":0.01}}",
          "quality.pixels: only beside a method; without one, the planner chooses it"},
+        {"quality", "{" SPARSE_PATHS "}",
+         "quality.step: expected a number of metres, of the march beside paths of a part of the pixels, got nothing"},
+        {"quality", "{" SPARSE_PATHS ",\"step\":1e-6}",
+         "quality.step: expected at most 200000 steps along a ray, got 3000000: 3 m through scene.media[0] in steps of "
+         "1e-06 m"},
+        {"quality", "{" SPARSE_PATHS ",\"step\":1,\"max_cut\":0.5}",
+         "quality.max_cut: not beside pixels: only the cut rays of traced pixels are known"},
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
         {"quality.points", "3",
          "quality: unknown key \"points\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
@@ -324,6 +341,7 @@ int main(void)
         cmocka_unit_test(tracking_is_read),
         cmocka_unit_test(cached_is_read),
         cmocka_unit_test(random_paths_are_read),
+        cmocka_unit_test(paths_of_a_part_of_the_pixels_are_read),
         cmocka_unit_test(scatter_grids_are_read),
         cmocka_unit_test(wrong_random_paths_are_refused_by_place),
         cmocka_unit_test(a_draft_is_one_word),

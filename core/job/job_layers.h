@@ -1,0 +1,18 @@
+// The two layers of a frame by random paths whose pixels are interpolated.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/job/job.h"
+
+#include <stdbool.h>
+
+// True where a job's frames are the sum of two layers: what camera rays meet without scattering, which a march shows
+// without noise, and the light that was scattered, along random paths. Each is interpolated as it bends.
+bool job_layers_are_two(const struct job *job);
+// The jobs of the layers: shallow copies, never finished.
+//
+// What is seen directly: what media emit along camera rays, what lies behind them, alpha, transmittance and depth.
+struct job job_layers_seen(const struct job *job);
+// Light that was scattered, as color alone. In place of transmittance it has by how much the mean of a pixel's paths
+// and that of the first half of them differ: a draw from the distribution of its noise.
+struct job job_layers_scattered(const struct job *job);

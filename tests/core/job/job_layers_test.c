@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/job/job_layers.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static const struct job sparse = {.quality = {.method = JOB_METHOD_PATHS, .paths = 64, .step = 0.5, .pixels = {8, 0.1}},
+                                  .scene = {.orders = SCENE_ORDERS_ALL, .has_background = true},
+                                  .output = {.has_depth = true}};
+
+static void paths_of_a_part_of_the_pixels_have_two_layers(void **state)
+{
+    struct job job = sparse;
+
+    (void)state;
+    assert_true(job_layers_are_two(&job));
+    job.quality.pixels.stride = 0;
+    assert_false(job_layers_are_two(&job));
+    job = sparse;
+    job.quality.method = JOB_METHOD_MIDPOINT;
+    assert_false(job_layers_are_two(&job));
+}
+
+static void what_is_seen_is_marched_without_lights(void **state)
+{
+    struct job job = sparse, seen;
+
+    (void)state;
+    job.scene.light_count = 3;
+    job.scene.lights[0].kind = SCENE_LIGHT_SUN;
+    job.scene.lights[1] = (struct scene_light){.kind = SCENE_LIGHT_DOME, .dome = {.is_visible = true}};
+    job.scene.lights[2].kind = SCENE_LIGHT_DOME;
+    seen = job_layers_seen(&job);
+    assert_int_equal(seen.scene.light_count, 1);
+    assert_true(seen.scene.lights[0].dome.is_visible);
+    assert_int_equal(seen.scene.orders, 1);
+    assert_int_equal(seen.quality.method, JOB_METHOD_MIDPOINT);
+    assert_true(seen.quality.step == 0.5 && seen.quality.pixels.stride == 8 && seen.quality.paths == 0);
+    assert_true(seen.scene.has_background && seen.output.has_depth && !seen.output.has_transmittance);
+    assert_false(job_layers_are_two(&seen));
+}
+
+static void scattered_light_has_its_noise_for_a_transmittance(void **state)
+{
+    struct job scattered = job_layers_scattered(&sparse);
+
+    (void)state;
+    assert_true(scattered.output.has_transmittance && !scattered.output.has_depth);
+    assert_int_equal(scattered.scene.orders, SCENE_ORDERS_ALL);
+    assert_int_equal(scattered.quality.paths, 64);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(paths_of_a_part_of_the_pixels_have_two_layers),
+        cmocka_unit_test(what_is_seen_is_marched_without_lights),
+        cmocka_unit_test(scattered_light_has_its_noise_for_a_transmittance),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
