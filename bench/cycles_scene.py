@@ -1,4 +1,6 @@
-"""Run by Blender for bench/other_renderers: renders SPEC's scene by Cycles with more and more samples, and times that.
+"""Run by Blender for bench/other_renderers and bench/all_orders.
+
+It renders SPEC's scene by Cycles with more and more samples, and times that.
 
     blender -b --factory-startup --python bench/cycles_scene.py -- SPEC.json
 
@@ -39,7 +41,7 @@ def colour_and_density(sigma):
 
 
 def medium_shader(nodes, links, output, medium):
-    """Scattering and absorption of constant coefficients, each a number for each colour."""
+    """Scattering and absorption, each a number for each colour; returns the inputs for their densities, which are constant."""
     scatter, absorb, both = nodes.new("ShaderNodeVolumeScatter"), nodes.new("ShaderNodeVolumeAbsorption"), nodes.new("ShaderNodeAddShader")
     scatter.inputs["Color"].default_value, scatter.inputs["Density"].default_value = colour_and_density(medium["sigma_s"])
     scatter.inputs["Anisotropy"].default_value = medium.get("g", 0)
@@ -54,7 +56,7 @@ def medium_shader(nodes, links, output, medium):
         links.new(scatter.outputs[0], both.inputs[0])
         links.new(absorb.outputs[0], both.inputs[1])
         links.new(both.outputs[0], output)
-    return scatter
+    return [shader.inputs["Density"] for shader in (scatter, absorb)]
 
 
 def add_shape(medium):
@@ -78,13 +80,18 @@ def add_grid(medium):
     material, nodes, links, output = volume_material("grid", False)
     value = nodes.new("ShaderNodeAttribute")
     value.attribute_name = "density"
-    scale = nodes.new("ShaderNodeMath")
-    scale.operation = "MULTIPLY"
-    scale.inputs[1].default_value = medium["scale"]
+
+    def link_scaled(source, density, factor):
+        """Has a shader's density be a value times a factor."""
+        scale = nodes.new("ShaderNodeMath")
+        scale.operation = "MULTIPLY"
+        scale.inputs[1].default_value = factor
+        links.new(source, scale.inputs[0])
+        links.new(scale.outputs[0], density)
+
     if "table" not in medium:
-        scatter = medium_shader(nodes, links, output, medium)
-        links.new(value.outputs["Fac"], scale.inputs[0])
-        links.new(scale.outputs[0], scatter.inputs["Density"])
+        for density in medium_shader(nodes, links, output, medium):
+            link_scaled(value.outputs["Fac"], density, medium["scale"] * density.default_value)
     else:
         ramp = nodes.new("ShaderNodeValToRGB")
         stops = ramp.color_ramp.elements
@@ -98,8 +105,7 @@ def add_grid(medium):
         emit.inputs["Strength"].default_value = medium["scale"]
         links.new(value.outputs["Fac"], ramp.inputs[0])
         links.new(ramp.outputs["Color"], emit.inputs["Color"])
-        links.new(ramp.outputs["Alpha"], scale.inputs[0])
-        links.new(scale.outputs[0], absorb.inputs["Density"])
+        link_scaled(ramp.outputs["Alpha"], absorb.inputs["Density"], medium["scale"])
         links.new(emit.outputs[0], both.inputs[0])
         links.new(absorb.outputs[0], both.inputs[1])
         links.new(both.outputs[0], output)
@@ -112,7 +118,7 @@ def add_light(light):
     data.energy = peak * spec["watts_per_intensity"]
     data.color = [c / peak for c in light["intensity"]]
     data.shadow_soft_size = 0
-    data.cycles.max_bounces = 0
+    data.cycles.max_bounces = spec["bounces"]
     thing = bpy.data.objects.new("lamp", data)
     thing.location = light["position"]
     scene.collection.objects.link(thing)
@@ -147,7 +153,7 @@ def set_up():
     cycles.use_denoising = cycles.use_adaptive_sampling = False
     cycles.pixel_filter_type = "BOX"
     cycles.filter_width = 0.01  # points at the pixels' centres, as the truth has
-    cycles.max_bounces = cycles.volume_bounces = cycles.diffuse_bounces = 0  # single scattering
+    cycles.max_bounces = cycles.volume_bounces = cycles.diffuse_bounces = spec["bounces"]  # 0: single scattering
     cycles.transparent_max_bounces = 64
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.light_sampling_threshold = 0

@@ -1,11 +1,11 @@
-// Time against error of a frame: ladder_bench [--frame N] [--once] [--first] TRUTH STRIDE JOB...
+// Time against error of a frame: ladder_bench [--frame N] [--once | --runs N] [--first] TRUTH STRIDE JOB...
 // SPDX-License-Identifier: Apache-2.0
 // The jobs show the same scene at the same size with different methods. The file TRUTH has the light of every STRIDE-th
 // pixel and row, from STRIDE / 2 on, as doubles; it is measured when it is missing. With --once, times are of one
 // rendering, compiling and reading included, and the truth is converged to 1e-3. ladder_bench [--frame N] --extent JOB
 // prints the distances, in metres, between which camera rays meet media. With --first, the picture of the first job
-// takes the place of reference/. Lines have wall and CPU seconds, the relative RMSE, the share of pixels traced, and
-// the job.
+// takes the place of reference/. --runs says how many frames are timed after the first one (5). Lines have wall and CPU
+// seconds, the relative RMSE, the share of pixels traced, and the job.
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -25,13 +25,14 @@
 #include <string.h>
 #include <time.h>
 
-enum { RUNS = 5, JOB_BYTES = 1 << 20 };
+enum { RUNS_DEFAULT = 5, JOB_BYTES = 1 << 20 };
 
 struct ladder {
     struct renderer *renderer;
     const char *truth;
     int stride;
     int32_t frame;
+    int runs;
     bool is_once;
     bool is_first_true;
 };
@@ -103,10 +104,11 @@ static bool load_truth(const struct ladder *ladder, const struct job *job, const
 static bool render(const struct ladder *ladder, const struct job *job, struct image *image, double best[static 3],
                    struct error *error)
 {
-    int runs = ladder->is_once ? 1 : RUNS;
+    int runs = ladder->is_once ? 1 : ladder->runs;
 
     best[0] = best[1] = 1e30;
-    for (int i = ladder->is_once ? 0 : RUNS; i >= 0; i--) {
+    best[2] = 0.0;
+    for (int i = ladder->is_once ? 0 : runs; i >= 0; i--) {
         double wall = clock_read_s(CLOCK_MONOTONIC), cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID);
         struct renderer_result result;
 
@@ -210,13 +212,14 @@ static int measure(struct ladder *ladder, char *jobs[])
 
 int main(int argc, char *argv[])
 {
-    struct ladder ladder = {0};
+    struct ladder ladder = {.runs = RUNS_DEFAULT};
     struct error error = {0};
     bool is_extent = false;
     char **left = argv + 1;
 
     for (; *left && !strncmp(*left, "--", 2); left++) {
         if (!strcmp(*left, "--frame") && left[1]) ladder.frame = atoi(*++left);
+        if (!strcmp(*left, "--runs") && left[1]) ladder.runs = atoi(*++left);
         if (!strcmp(*left, "--once")) ladder.is_once = true;
         if (!strcmp(*left, "--first")) ladder.is_first_true = true;
         if (!strcmp(*left, "--extent")) is_extent = true;
@@ -227,8 +230,8 @@ int main(int argc, char *argv[])
         return 1;
     }
     ladder.stride = argc - (left - argv) > 2 ? atoi(left[1]) : 0;
-    if (ladder.stride < 1) {
-        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] [--first] TRUTH STRIDE JOB... |\n"
+    if (ladder.stride < 1 || ladder.runs < 1) {
+        fprintf(stderr, "usage: ladder_bench [--frame N] [--once | --runs N] [--first] TRUTH STRIDE JOB... |\n"
                         "       ladder_bench [--frame N] --extent JOB\n");
         return 2;
     }
