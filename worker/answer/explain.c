@@ -243,6 +243,7 @@ static void list_surfaces(const struct listing *listing)
 {
     const struct scene_features *features = &listing->program->model.features;
     const struct job_quality *quality = &listing->job->quality;
+    bool is_vertex = listing->job->scene.orders > 1;
 
     if (!features->has_objects) {
         say(listing, false, "surfaces", "the scene has no objects");
@@ -258,8 +259,9 @@ static void list_surfaces(const struct listing *listing)
             quality->max_depth, quality->min_throughput,
             features->has_two_paths ? "a dielectric sends two rays on" : "no surface sends two rays on");
     else
-        say(listing, false, "paths", "nothing reflects or refracts: rays end where they meet a surface");
-    say(listing, false, "light between surfaces", "diffuse ones show the light of lights only");
+        say(listing, false, "paths", "nothing reflects or refracts as a mirror does: camera rays end at surfaces");
+    say(listing, is_vertex, "light between surfaces", "%s",
+        is_vertex ? "random paths go on from diffuse ones" : "diffuse ones show the light of lights only");
     if (features->has_dielectrics && features->has_lights)
         say(listing, false, "caustics",
             "shadow rays cross dielectrics in straight lines: each boundary takes its Fresnel share, media theirs");

@@ -391,7 +391,25 @@ static void objects_that_end_every_ray_need_no_paths(void **state)
     assert_modelled(&explanation, "surfaces");
     assert_not_modelled(&explanation, "paths");
     assert_not_modelled(&explanation, "shadows");
+    assert_not_modelled(&explanation, "light between surfaces");
     assert_null(find_why(&explanation, "not_modelled", "caustics"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void diffuse_surfaces_send_paths_on_above_order_1(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    object_job_parse(&job,
+                     "\"scattering\": {\"orders\": 2}, \"objects\": [" OBJECT_JOB_FLOOR(
+                         OBJECT_JOB_GREY) "], \"media\": [{\"sigma_s\": 1, \"density\": {\"kind\": \"homogeneous\", "
+                                          "\"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}}]",
+                     OBJECT_JOB_LIGHT ", \"quality\": {\"method\": \"paths\", \"paths\": 1}");
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, "modelled", "light between surfaces"),
+                        "random paths go on from diffuse ones");
     explanation_finish(&explanation);
     job_finish(&job);
 }
@@ -468,6 +486,7 @@ int main(void)
         cmocka_unit_test(objects_are_explained),
         cmocka_unit_test(an_interior_says_whose_it_is),
         cmocka_unit_test(objects_that_end_every_ray_need_no_paths),
+        cmocka_unit_test(diffuse_surfaces_send_paths_on_above_order_1),
         cmocka_unit_test(traced_pixels_are_explained),
         cmocka_unit_test(rough_surfaces_have_every_pixel_traced),
         cmocka_unit_test(orders_of_scattering_are_told),
