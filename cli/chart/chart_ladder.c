@@ -4,6 +4,7 @@
 #include "cli/chart/chart_points.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/job/job.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
 
@@ -15,6 +16,8 @@ enum {
     FIRST_CELLS = 8, // on the lowest rung: steps in the scene's length, or voxels in a step
     GRID_LIMIT = 512,
     SAMPLE_LIMIT = 1024,
+    FIRST_NODE_PATHS = 32,
+    FIRST_PIXEL_PATHS = 4,
     LIGHT_STEPS_LIMIT = 60 * 1000,
     POINT_LIMIT = 1000,
     // Consecutive refused rungs that end a ladder.
@@ -110,6 +113,22 @@ static void write_tracking(struct json_writer *out, int rung, const struct chart
     json_write_integer_member(out, "samples", count_up(1, rung, SAMPLE_LIMIT));
 }
 
+// Of light above order 1. Cells err by their square, and paths by the root of their number, which nodes beside each
+// other share.
+static void write_scatter_grid(struct json_writer *out, int rung, const struct chart_scale *scale)
+{
+    write_cached(out, rung, scale);
+    json_write_integer_member(out, "scatter_grid", count_up(FIRST_CELLS, rung / 2.0, JOB_SCATTER_GRID_LIMIT));
+    json_write_integer_member(out, "paths", count_up(FIRST_NODE_PATHS, 1.5 * rung, JOB_PATH_LIMIT));
+}
+
+// The error halves from rung to rung.
+static void write_paths(struct json_writer *out, int rung, const struct chart_scale *scale)
+{
+    (void)scale;
+    json_write_integer_member(out, "paths", count_up(FIRST_PIXEL_PATHS, 2.0 * rung, JOB_PATH_LIMIT));
+}
+
 static const struct series {
     const char *name, *method;
     write_function *write;
@@ -127,6 +146,8 @@ static const struct series {
     {"cached", "cached", write_cached, PLAIN, NULL},
     {"cached baked", "cached", write_baked, PLAIN, "cached"},
     {"preintegrated", "preintegrated", write_steps, PLAIN, "midpoint"},
+    {"scatter grid", "cached", write_scatter_grid, PLAIN, NULL},
+    {"paths", "paths", write_paths, PLAIN, NULL},
     {"tracking", "tracking", write_tracking, HAS_SAMPLES, NULL},
 };
 

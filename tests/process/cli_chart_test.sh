@@ -77,6 +77,23 @@ expect 0 chart "$jobs/glass.json" --out glass --methods riemann:2,equiangular:0 
 grep -q ',riemann,2,.*,refused,' glass/glass.csv || fail "riemann among objects"
 grep -q ',equiangular,0,.*,measured,' glass/glass.csv || fail "equiangular among objects"
 
+# Above order 1, paths and grids are compared with the same random truth, whose noise counts nothing.
+cat >ball.json <<'EOF'
+{"version": 1, "name": "ball", "frames": "0", "fps": 24, "resolution": [16, 9],
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 40},
+ "lights": [{"kind": "point", "position": [2, 3, 4], "intensity": 40}],
+ "scene": {"scattering": {"orders": "all"},
+           "media": [{"sigma_s": 4, "sigma_a": 0.2, "density": {"kind": "homogeneous",
+                      "bounds": {"kind": "sphere", "center": [0, 0, 0], "radius": 1}}}]},
+ "quality": {"tolerance": 0.05}, "output": {"path": "ball.####.exr"}}
+EOF
+expect 0 chart ball.json --out orders --methods "midpoint:2,paths:1,paths:4,scatter grid:0"
+of_orders() { awk -F'measured,' -v series=",$1," 'index($0, series) { split($2, a, ","); print a[4] }' orders/ball.csv; }
+awk -v few="$(of_orders paths,1)" -v many="$(of_orders paths,4)" -v grid="$(of_orders "scatter grid,0")" \
+    'BEGIN { exit !(many > 0 && many < few / 4 && few < 1 && grid > 0 && grid < 0.1) }' ||
+    fail "errors: paths $(of_orders paths,1), $(of_orders paths,4), grid $(of_orders "scatter grid,0")"
+grep -q ',midpoint,2,.*,refused,.*scatter_grid' orders/ball.csv || fail "a march without a grid above order 1"
+
 expect 2 chart "$jobs/cloud.json" --methods magic
 grep -q 'there is no method "magic"' err || fail "an unknown method"
 expect 2 chart "$jobs/cloud.json" --size 0x9

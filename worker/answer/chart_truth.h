@@ -19,7 +19,7 @@ struct chart_truth_pixel {
     int x, y;
     double weight; // the number of the picture's pixels that it stands for
     double rgb[3];
-    double variance; // of the difference from a picture by random normals, summed over the three values
+    double variance; // of the difference from a picture by random normals or paths, summed over the three values
 };
 
 enum { CHART_TRUTH_KIND_SIZE = 16 };

@@ -22,6 +22,9 @@ enum {
 // rays.
 static const double NOISE_FACTOR = 1.5;
 
+// The accuracy asked of random paths, relative: pixels are many, and the noise of their light counts nothing.
+static const double PATHS_ACCURACY = 6e-3;
+
 struct search {
     const struct chart_truth_params *params;
     struct truth *truth; // owned; NULL: `finest` is the truth
@@ -65,11 +68,13 @@ static size_t measure(const struct search *search, const struct pixel *points, s
 static void add_pixel(struct search *search, struct pixel point, const struct truth_pixel *pixel)
 {
     struct chart_truth *found = search->found;
-    double variance = pixel->variance[0] + pixel->variance[1] + pixel->variance[2];
+    double variance = 0;
 
+    for (int c = 0; c < 3; c++)
+        variance += NOISE_FACTOR * pixel->variance[c] + pixel->half[c] * pixel->half[c];
     found->pixels = xgrow(found->pixels, &search->capacity, found->count + 1, sizeof *found->pixels);
-    found->pixels[found->count++] = (struct chart_truth_pixel){
-        point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, NOISE_FACTOR * variance};
+    found->pixels[found->count++] =
+        (struct chart_truth_pixel){point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, variance};
 }
 
 static size_t index_of(const struct search *search, struct pixel point)
@@ -185,6 +190,7 @@ bool chart_truth_find(struct chart_truth *truth, const struct chart_truth_params
                                                                .finer = params->finer,
                                                                .coarser = params->coarser});
         rms = sqrt(search.map.mean_square);
+        if (truth_is_random(params->job)) search.accuracy.relative = PATHS_ACCURACY;
         search.accuracy.floor = audit_map_floor(isfinite(rms) ? rms : 0.0);
         search.draws =
             xcalloc((size_t)params->finer->width_px * (size_t)params->finer->height_px, sizeof *search.draws);

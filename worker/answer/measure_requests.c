@@ -167,6 +167,10 @@ static bool find_truth(const struct truth_request *request, const struct request
     double finer_s, coarser_s;
     bool ok = false;
 
+    if (!truth_has_twin(&request->job) && truth_is_random(&request->job)) {
+        error_set(error, "nothing knows the light of a density in GLSL above order 1");
+        return false;
+    }
     if (!image_init_for_job(&finer, &request->job, error) || !image_init_for_job(&coarser, &request->job, error))
         goto out;
     if (measure_render(&params, &finer, &finer_s, error) != MEASURE_DONE) goto out;

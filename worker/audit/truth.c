@@ -44,11 +44,11 @@ struct truth {
 };
 
 // Only light of one scattering from lamps without size is known without random paths.
-static bool needs_paths(const struct scene *scene)
+bool truth_is_random(const struct job *job)
 {
-    for (size_t i = 0; i < scene->light_count; i++)
-        if (light_rules_of(scene->lights[i].kind)->has_size) return true;
-    return scene->orders != 1;
+    for (size_t i = 0; i < job->scene.light_count; i++)
+        if (light_rules_of(job->scene.lights[i].kind)->has_size) return true;
+    return job->scene.orders != 1;
 }
 
 bool truth_has_twin(const struct job *job)
@@ -109,7 +109,7 @@ static bool stop_moments(struct truth *truth, struct error *error)
         still_init_with_inputs(&truth->stills[i], &truth->job, pixel_samples_time(&truth->job, truth->frame, (int)i),
                                &truth->files.inputs);
     truth->is_rough = has_rough_surfaces(truth);
-    return !needs_paths(&truth->job.scene) || make_paths(truth, error);
+    return !truth_is_random(&truth->job) || make_paths(truth, error);
 }
 
 bool truth_seek(struct truth *truth, int32_t frame, struct error *error)

@@ -18,6 +18,9 @@ struct truth;
 // the shader can evaluate, for lights with size and for more than one order of scattering.
 bool truth_has_twin(const struct job *job);
 
+// True when it is measured by random paths, in two halves: light of more orders than one, and of lamps with a size.
+bool truth_is_random(const struct job *job);
+
 struct truth_params {
     const struct job *job; // borrowed; outlives the truth; its size and samples are those of the measured frames
     int32_t frame;

@@ -71,6 +71,22 @@ static void riemann_never_steps_over_all(void **state)
     assert_true(number_of("riemann", 0, &flat, "step") <= flat.far - flat.near);
 }
 
+// Noise falls with the root of the number of paths.
+static void random_paths_halve_their_error(void **state)
+{
+    for (int rung = 1; rung < 9; rung++) {
+        assert_float_equal(number_of("paths", rung, &ball, "paths"), number_of("paths", rung - 1, &ball, "paths") * 4,
+                           1e-12);
+        assert_true(number_of("scatter grid", rung, &ball, "scatter_grid") >
+                    number_of("scatter grid", rung - 1, &ball, "scatter_grid"));
+        assert_true(number_of("scatter grid", rung, &ball, "paths") >
+                    2 * number_of("scatter grid", rung - 1, &ball, "paths"));
+    }
+    assert_float_equal(number_of("paths", CHART_RUNG_LIMIT - 1, &ball, "paths"), 1048576.0, 1e-12);
+    assert_float_equal(number_of("scatter grid", 2, &ball, "scatter_grid"), 16, 1e-12);
+    assert_float_equal(number_of("scatter grid", 2, &ball, "step"), number_of("cached", 2, &ball, "step"), 1e-12);
+}
+
 static void grids_are_measured_in_voxels(void **state)
 {
     const struct chart_scale head = {.near = 1, .far = 3, .length = 2, .voxel = 0.001};
@@ -295,6 +311,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(riemann_refines_both_its_sums),
         cmocka_unit_test(riemann_never_steps_over_all),
+        cmocka_unit_test(random_paths_halve_their_error),
         cmocka_unit_test(grids_are_measured_in_voxels),
         cmocka_unit_test(samples_and_paths_are_the_jobs),
         cmocka_unit_test(riemann_is_told_of_no_paths),
