@@ -6,6 +6,7 @@
 #include "core/job/job.h"
 #include "reference/path_scene.h"
 #include "reference/paths.h"
+#include "reference/stream.h"
 #include "worker/audit/beyond_estimate.h"
 #include "worker/audit/truth.h"
 #include "worker/audit/truth_files.h"
@@ -149,10 +150,11 @@ static bool open_frames(struct measuring *measuring)
     return true;
 }
 
-// Additive recurrence by the inverse powers of the plastic number: evenly spread, whatever the count.
-static double place(int index, double step, int size_px)
+// Additive recurrence by the inverse powers of the plastic number, from a random start: evenly spread, whatever the
+// count.
+static double place(double start, int index, double step, int size_px)
 {
-    double at = 0.5 + step * (double)(index + 1);
+    double at = start + step * (double)index;
 
     return floor((at - floor(at)) * size_px) + 0.5;
 }
@@ -161,11 +163,13 @@ static bool walk(struct measuring *measuring, int index, uint64_t seed, long cou
                  struct paths_parts *parts)
 {
     const struct job *job = measuring->params->job;
-    const struct paths_parts_params params = {.x = place(index, 0.7548776662466927, job->width_px),
-                                              .y = place(index, 0.5698402909980532, job->height_px),
+    struct stream start = stream_of(measuring->params->seed, 0);
+    double x = stream_draw(&start), y = stream_draw(&start);
+    const struct paths_parts_params params = {.x = place(x, index, 0.7548776662466927, job->width_px),
+                                              .y = place(y, index, 0.5698402909980532, job->height_px),
                                               .modelled = job->scene.orders,
                                               .count = count,
-                                              .seed = seed + (uint64_t)index,
+                                              .seed = stream_mix(seed + measuring->params->seed) + (uint64_t)index,
                                               .draws_most = most};
     bool ok = paths_measure_parts(measuring->paths[index % measuring->frame_count], &params, parts);
 
@@ -222,6 +226,10 @@ static void conclude(struct measuring *measuring, const struct beyond_sample *sa
 
     if (isnan(verdict.error)) {
         say(measuring->beyond, "the frames that were looked at are black");
+        return;
+    }
+    if (verdict.is_noisy) {
+        say(measuring->beyond, TOO_MUCH);
         return;
     }
     *measuring->beyond = (struct job_beyond){.is_known = true, .error = verdict.error, .error95 = verdict.error95};

@@ -14,8 +14,9 @@ struct beyond_params {
     const struct job *job;
     const int32_t *frames; // that stand for all; where a file belongs to one frame each, only the middle one is read
     int frame_count;       // >= 1
-    const struct still_inputs
-        *inputs;                     // files of the middle one, read already; NULL: they are read, as part of the draws
+    // Files of the middle one, read already; NULL: they are read, for a part of the draws.
+    const struct still_inputs *inputs;
+    uint64_t seed;                   // other numbers draw other paths; plans have 0
     double draws_most;               // random numbers that may be drawn: looks at densities, and a few more
     bool (*on_progress)(void *user); // may be NULL; called after each pixel; false: stop
     void *user;

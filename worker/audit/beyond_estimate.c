@@ -4,6 +4,7 @@
 #include <math.h>
 
 static const double LOG_OF_20 = 2.995732273553991;
+static const double NOISY = 1.1;        // a ratio
 static const double UNSEEN = 3.0;       // the expected number of events of which none is seen in 5 % of all cases
 static const double FEW_PRODUCTS = 100; // that are not 0
 
@@ -51,10 +52,11 @@ struct beyond_verdict beyond_estimate(const struct beyond_sample *samples, size_
         seen += samples[i].whole != 0.0;
         found += samples[i].product != 0.0;
     }
-    if (!(whole > 0.0)) return (struct beyond_verdict){NAN, NAN};
+    if (!(whole > 0.0)) return (struct beyond_verdict){.error = NAN, .error95 = NAN};
     most = bound(samples, count, product_of);
     if (found < FEW_PRODUCTS) most = fmax(most, bound(samples, count, square_of));
     least = UNSEEN / (seen * paths);
     return (struct beyond_verdict){.error = fmin(sqrt(fmax(product / whole, 0.0)), 1.0),
-                                   .error95 = fmin(fmax(sqrt(most), least), 1.0)};
+                                   .error95 = fmin(fmax(sqrt(most), least), 1.0),
+                                   .is_noisy = product > NOISY * NOISY * whole};
 }

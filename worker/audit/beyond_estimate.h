@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 // A drawn pixel. D1 and D2 are two independent unbiased measurements of the light that is left out, A1 and A2 of all
@@ -15,6 +16,7 @@ struct beyond_sample {
 struct beyond_verdict {
     double error;   // RMS of the light that is left out over the RMS of all light, [0, 1]; NAN: all is black
     double error95; // at least the true ratio, with a confidence of 95 %
+    bool is_noisy;  // the ratio came out far above 1, which none is: so few paths say nothing
 };
 
 // The error is the root of the products' sum over the wholes' sum, a ratio estimate. error95 is the empirical Bernstein

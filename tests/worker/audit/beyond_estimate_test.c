@@ -148,6 +148,18 @@ static void halves_that_are_not_independent_are_noticed(void **state)
     assert_true(sqrt(noisy) > 1.5 * truth_of(&picture));
 }
 
+static void a_ratio_far_above_one_says_nothing(void **state)
+{
+    struct beyond_sample samples[64] = {{0}};
+
+    for (int i = 0; i < 64; i++)
+        samples[i] = (struct beyond_sample){1.0, 1.0, 1.0};
+    assert_false(beyond_estimate(samples, 64, 16).is_noisy);
+    assert_true(beyond_estimate(samples, 64, 16).error == 1.0);
+    samples[0].product = 30.0;
+    assert_true(beyond_estimate(samples, 64, 16).is_noisy);
+}
+
 static void a_black_picture_has_no_error(void **state)
 {
     const struct beyond_sample black[4] = {{0}};
@@ -162,6 +174,7 @@ int main(void)
         cmocka_unit_test(the_bound_holds_where_much_is_left_out),
         cmocka_unit_test(the_bound_holds_where_little_is_left_out),
         cmocka_unit_test(halves_that_are_not_independent_are_noticed),
+        cmocka_unit_test(a_ratio_far_above_one_says_nothing),
         cmocka_unit_test(a_black_picture_has_no_error),
     };
 

@@ -213,6 +213,8 @@ static void the_draws_are_limited(void **state)
         parse(&job, "1", NOISE, MEDIA[i / 8]);
         beyond = measure(&job, LIMITS[i % 8], &drawn);
         assert_true(drawn <= LIMITS[i % 8] + 1000.0);
+        // Neither is the limit kept by drawing nothing.
+        assert_true(!beyond.is_known || drawn > 0.2 * LIMITS[i % 8]);
         known += beyond.is_known;
         unknown += !beyond.is_known;
         if (!beyond.is_known) assert_string_equal(beyond.why, "measuring it takes too much work");
