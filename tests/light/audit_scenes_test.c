@@ -88,7 +88,8 @@ static bool open_scene(struct campaign *campaign, struct sight *sight, const cha
 
     *sight = (struct sight){.tolerance = tolerances[seed % 3]};
     snprintf(quality, sizeof quality, "{\"tolerance\": %g}", sight->tolerance);
-    text = random_job_write(&(struct random_job){volume, seed, quality, WIDTH_PX, HEIGHT_PX});
+    text = random_job_write(&(struct random_job){
+        .volume = volume, .seed = seed, .quality = quality, .width_px = WIDTH_PX, .height_px = HEIGHT_PX});
     if (!job_parse(&sight->job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
     free(text);
     frame_range_finish(&sight->job.frames);

@@ -29,7 +29,8 @@ static struct true_light compare(const char *volume, uint64_t seed, double step)
     struct job job;
 
     snprintf(quality, sizeof quality, "{\"method\": \"midpoint\", \"step\": %g, \"light_step\": %g}", step, step);
-    text = random_job_write(&(struct random_job){volume, seed, quality, 8, 6});
+    text = random_job_write(
+        &(struct random_job){.volume = volume, .seed = seed, .quality = quality, .width_px = 8, .height_px = 6});
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s\n%s", error.message, text);
     light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     if (!true_light_is_within(&light, tolerance)) print_message("seed %d: %s\n", (int)seed, text);

@@ -89,7 +89,11 @@ static struct outcome try_range(const struct range *range, const char *volume)
 
             if (!range->is_thorough && i != seed % 3) continue;
             snprintf(quality, sizeof quality, "{\"tolerance\": %g}", tolerances[i]);
-            text = random_job_write(&(struct random_job){volume, seed, quality, range->width_px, range->height_px});
+            text = random_job_write(&(struct random_job){.volume = volume,
+                                                         .seed = seed,
+                                                         .quality = quality,
+                                                         .width_px = range->width_px,
+                                                         .height_px = range->height_px});
             print_message("seed %d, ", (int)seed);
             try(tolerance, text, ++serial, tolerances[i], &outcome);
             free(text);
