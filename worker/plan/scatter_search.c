@@ -13,12 +13,19 @@ enum {
 
 // The share of the target's square that a grid's cells may take: the rest is for the paths.
 static const double CELLS_SHARE = 0.7;
+// Of all paths that may be traced, those of one measurement of a grid: finer grids are to have their turn.
+static const double GRID_PART = 0.25;
+// Linear interpolation's squared error falls by no higher power of the number of cells.
+static const double STEEPEST = 4.0;
 
 struct walk {
     const struct scatter_search *search;
     struct scatter_finding finding;
     double cost, traced; // of the finding; by all measurements
     double least;        // the least square that was met
+    // The finest grid whose cells alone were too much, and the noise of one path at the last one; 0 cells: none yet.
+    int coarse_rung;
+    double coarse_cells, noise;
 };
 
 static double nodes_of(const struct walk *walk, int grid_rung)
@@ -40,8 +47,10 @@ static bool measure(struct walk *walk, int grid_rung, int path_rung, double *squ
 static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
 {
     double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
+    double most = walk->search->path_max, paths = nodes * exp2(path_rung);
 
-    return path_rung < SCATTER_PATH_RUNGS && walk->traced + nodes * exp2(path_rung) <= walk->search->path_max;
+    if (path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
+    return grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }
 
 static void keep(struct walk *walk, int grid_rung, int path_rung, double square)
@@ -83,6 +92,41 @@ static int find_rungs(double noise, double allowed, int path_rung)
     return path_rung + by < SCATTER_PATH_RUNGS ? by : SCATTER_PATH_RUNGS - 1 - path_rung;
 }
 
+// What a grid's cells add at least, as coarser ones tell.
+static double least_cells(const struct walk *walk, int grid_rung)
+{
+    double ratio = (double)scatter_grid_cells[walk->coarse_rung] / scatter_grid_cells[grid_rung];
+
+    return ratio < 1.0 ? walk->coarse_cells * pow(ratio, STEEPEST) : 0.0;
+}
+
+static void note_grid(struct walk *walk, int grid_rung, int path_rung, struct parts *parts)
+{
+    double wanted = walk->search->target * walk->search->target;
+
+    parts->cells = fmax(parts->cells, least_cells(walk, grid_rung));
+    walk->noise = parts->noise * exp2(path_rung);
+    if (parts->cells <= CELLS_SHARE * wanted) return;
+    walk->coarse_rung = grid_rung;
+    walk->coarse_cells = parts->cells;
+}
+
+// Where all grids that could be tried are too coarse, chooses a finer one by what they tell.
+static void guess_grid(struct walk *walk)
+{
+    double wanted = walk->search->target * walk->search->target;
+
+    for (int rung = walk->coarse_rung + 1; walk->coarse_cells > 0.0 && rung < SCATTER_GRID_RUNGS; rung++) {
+        double cells = least_cells(walk, rung);
+        int paths;
+
+        if (cells > CELLS_SHARE * wanted) continue;
+        paths = find_rungs(walk->noise, wanted - cells, 0);
+        keep(walk, rung, paths, cells + walk->noise * exp2(-paths));
+        return;
+    }
+}
+
 // Tries one grid. Paths are quadrupled until their noise is within the target or they are too many.
 static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
 {
@@ -99,6 +143,7 @@ static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
         if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
     }
     if (isinf(parts.noise)) return true;
+    if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, &parts);
     if (parts.cells <= CELLS_SHARE * wanted) by = find_rungs(parts.noise, wanted - parts.cells, path_rung);
     keep(walk, grid_rung, path_rung + by, parts.cells + parts.noise * exp2(-by));
     return true;
@@ -129,6 +174,7 @@ struct scatter_finding scatter_search_run(const struct scatter_search *search)
                         .least = INFINITY};
 
     if (search->has_grid && !try_grids(&walk)) return walk.finding;
+    if (!walk.finding.is_found) guess_grid(&walk);
     // Pixels cannot need fewer paths than one each.
     if (walk.finding.is_found && walk.cost <= search->pixels) return walk.finding;
     (void)try_grid(&walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST);

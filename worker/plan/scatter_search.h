@@ -33,5 +33,5 @@ struct scatter_finding {
 };
 
 // The squared error is that of the grid's cells, which no number of paths changes, and a variance over the number of
-// paths: two measurements tell both.
+// paths: two measurements tell both. A grid that is too fine to be tried is found by those that are too coarse.
 struct scatter_finding scatter_search_run(const struct scatter_search *search);

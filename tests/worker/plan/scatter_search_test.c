@@ -37,15 +37,20 @@ static bool measure(void *user, int grid_rung, int path_rung, double *square)
     return ++terrain->measured != terrain->stop_after;
 }
 
-static struct scatter_finding search(struct terrain *terrain, double target, bool has_grid)
+static struct scatter_finding search_within(struct terrain *terrain, double target, bool has_grid, double path_max)
 {
     return scatter_search_run(&(struct scatter_search){.target = target,
                                                        .pixels = PIXELS,
                                                        .has_grid = has_grid,
-                                                       .path_max = 1e9,
+                                                       .path_max = path_max,
                                                        .list_pixels = 64,
                                                        .measure = measure,
                                                        .user = terrain});
+}
+
+static struct scatter_finding search(struct terrain *terrain, double target, bool has_grid)
+{
+    return search_within(terrain, target, has_grid, 1e9);
 }
 
 static double cost_of(int grid_rung, int path_rung)
@@ -106,6 +111,22 @@ static void light_that_no_grid_holds_gets_paths_of_pixels(void **state)
     assert_int_equal(search(&smooth, 0.01, false).grid_rung, SCATTER_PIXELS);
 }
 
+// A thick cloud: a grid that keeps the target takes more paths than the search may trace, pixels a thousand times more.
+static void a_grid_too_fine_to_be_tried_is_found_by_coarser_ones(void **state)
+{
+    static const double targets[] = {0.01, 0.013, 0.02};
+
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
+        struct terrain thick = {.cells = 12.0, .noise = 25.0, .pixel_noise = 600.0};
+        struct scatter_finding found = search_within(&thick, targets[i], true, 6e6);
+
+        assert_true(found.is_found && found.grid_rung >= 0);
+        assert_true(square_of(&thick, found.grid_rung, found.path_rung) <= 1.2 * targets[i] * targets[i]);
+        assert_true(cost_of(found.grid_rung, found.path_rung) <= 4.0 * find_least_cost(&thick, targets[i]));
+    }
+    (void)state;
+}
+
 static void the_nearest_is_kept_where_nothing_suffices(void **state)
 {
     struct terrain noisy = {.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
@@ -129,6 +150,7 @@ int main(void)
         cmocka_unit_test(what_is_found_keeps_the_target_and_is_cheap),
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
+        cmocka_unit_test(a_grid_too_fine_to_be_tried_is_found_by_coarser_ones),
         cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
         cmocka_unit_test(a_search_ends_where_it_is_stopped),
     };
