@@ -77,9 +77,13 @@ struct parts {
 static struct parts split(double coarse, double fine, int rungs, bool is_of_pixels)
 {
     static const double LEAST = 0.1; // two measurements may agree by chance
+    static const double LEAST_OF_PIXELS = 0.5;
     double noise = fmax((coarse - fine) / (exp2(rungs) - 1.0), LEAST * fmax(fine, 0.0));
 
-    if (is_of_pixels) return (struct parts){.noise = fmax(noise, fine)};
+    if (is_of_pixels) { // by the mean variance of all paths that were traced
+        noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
+        return (struct parts){.noise = fmax(noise, LEAST_OF_PIXELS * coarse * exp2(-rungs))};
+    }
     return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0)};
 }
 
