@@ -184,6 +184,35 @@ static void thick_white_media_come_to_an_end(void **state)
     close_stage(&stage);
 }
 
+// White media of optical depth 1e3 vanish in even light: a ray that meets the ball sees what comes from everywhere.
+// Paths are as long as chance wants, some of them a million of scatterings, and none of them is cut.
+static void the_thickest_white_media_lose_no_light(void **state)
+{
+    const struct bias_check_scene scene = {.media = EVEN("\"sigma_s\": 560, \"sigma_a\": 0"),
+                                           .lights = "{ \"kind\": \"dome\", \"radiance\": 1 },",
+                                           .orders = "\"all\"",
+                                           .background = "",
+                                           .quality = PATHS("16")};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    double sum = 0, squares = 0, count = 0;
+
+    (void)state;
+    render(&stage, 0);
+    for (size_t i = 0; i < BIAS_CHECK_VALUES / 3; ++i) {
+        double value = (double)stage.image.rgba[4 * i];
+
+        if (stage.image.rgba[4 * i + 3] < 1.0f) continue;
+        sum += value;
+        squares += value * value;
+        ++count;
+    }
+    print_message("mean %.4f, a pixel's deviation %.3f, %g pixels\n", sum / count,
+                  sqrt(squares / count - sum * sum / count / count), count);
+    assert_true(count > 20);
+    assert_true(fabs(sum / count - 1) < 4 * sqrt((squares / count - sum * sum / count / count) / count));
+    close_stage(&stage);
+}
+
 // Alpha, transmittance and depth are those of the medium, within the noise of 256 estimates of a white one.
 static void alpha_and_depth_are_those_of_the_medium(void **state)
 {
@@ -216,6 +245,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_list_has_the_pixels_of_the_frame),
         cmocka_unit_test(a_plan_draws_other_paths),
         cmocka_unit_test(thick_white_media_come_to_an_end),
+        cmocka_unit_test(the_thickest_white_media_lose_no_light),
         cmocka_unit_test(alpha_and_depth_are_those_of_the_medium),
     };
 

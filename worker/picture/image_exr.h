@@ -47,7 +47,8 @@ struct image_exr_header {
     const char *method; // that rendered the frame
     double step;
     const char *backend, *renderer;
-    int orders; // of scattering, as in struct scene; 0 or 1: not written
+    int orders;   // of scattering, as in struct scene; 0 or 1: not written
+    double paths; // random ones of each pixel that was traced, all followed to their end; 0: not written
     const char *shader_hash;
     double render_seconds;
     struct image_exr_rays rays;

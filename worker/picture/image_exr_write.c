@@ -196,6 +196,7 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
     if (!result) result = exr_attr_set_int(context, 0, "marchd:frame", header->frame);
     if (!result) result = exr_attr_set_int(context, 0, "marchd:attempt", header->attempt);
     if (!result) result = exr_attr_set_double(context, 0, "marchd:step", header->step);
+    if (!result && header->paths > 0.0) result = exr_attr_set_double(context, 0, "marchd:paths", header->paths);
     if (!result) result = exr_attr_set_double(context, 0, "marchd:renderSeconds", header->render_seconds);
     return result;
 }

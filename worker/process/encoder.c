@@ -41,6 +41,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .method = job_method_name(picture->method),
         .step = picture->step,
         .orders = job->scene.orders,
+        .paths = picture->paths,
         .backend = worker->backend,
         .renderer = worker->renderer,
         .shader_hash = picture->shader_hash,

@@ -220,6 +220,9 @@ static void fill_picture(struct picture *picture, const struct held_job *job, co
     snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", render->shader_hash ? render->shader_hash : "");
     memcpy(picture->hash, render->picture_hash, sizeof picture->hash);
     picture->method = result->quality.method;
+    picture->paths = result->quality.method == JOB_METHOD_PATHS
+                         ? (double)result->quality.paths * (result->quality.samples > 1 ? result->quality.samples : 1)
+                         : 0.0;
     picture->step = render->step;
     picture->ray_counts = render->ray_counts;
     picture->traced = result->quality.pixels.stride > 0 ? render->traced : 0.0;

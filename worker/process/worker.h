@@ -29,6 +29,7 @@ struct picture {
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
     enum job_method method; // the job's, or the one chosen in its place
+    double paths;           // random ones of each pixel that was traced, of all its samples; 0: no such method
     double step;            // in metres; likewise
     struct ray_counts ray_counts;
     double traced;                        // as in struct frame_accuracy
