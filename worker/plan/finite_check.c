@@ -124,6 +124,7 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
                         struct error *error)
 {
     const struct job *job = params->job;
+    struct job single = *job;
     int64_t part = (int64_t)job->width_px * job->height_px / PIXELS_PART;
     struct renderer_result result;
     struct plan_lattice lattice;
@@ -133,7 +134,10 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
     bool ok, is_stopped;
 
     plan_lattice_init(&lattice, job, part < PIXELS_MIN ? PIXELS_MIN : part > PIXELS_MAX ? PIXELS_MAX : (int)part);
-    ok = plan_lattice_render(&lattice, params, job, frame, &image, &result, &unwanted);
+    single.quality.samples = 1;
+    // With the picture's random numbers, so that it finds the caches that this fills.
+    ok = plan_list_render(params, &single, frame, lattice.pixels, lattice.columns, lattice.rows, &image, &result,
+                          &unwanted);
     // Other faults are told by the frame itself, by its own rules.
     is_stopped = !ok && renderer_fault_is_final(result.fault);
     *fault = ok || is_stopped ? result.fault : RENDERER_FAULT_NONE;

@@ -1,6 +1,7 @@
 // Frames of several orders of scattering keep their tolerance.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
+#include "core/base/log.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "tests/support/gl_stage.h"
@@ -105,9 +106,56 @@ static void media_under_a_sky_keep_their_tolerance(void **state)
     check(BALL, "3", ",{\"kind\":\"sphere\",\"position\":[-2,0,2],\"radius\":0.5,\"intensity\":9}", 0.1);
 }
 
+static int fills;
+
+static void count_fills(enum log_level level, const struct log_subject *subject, const char *line)
+{
+    (void)level;
+    (void)subject;
+    fills += strstr(line, "caches: scatter_means") != NULL;
+}
+
+// The look at a stated job's first pixels leaves the grid that the frame needs.
+static void a_stated_grid_is_filled_once(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct tolerance *tolerance = tolerance_create(stage.renderer);
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+    char text[2048];
+
+    snprintf(text, sizeof text, JOB, "", BALL, "2", 0.05);
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT,
+                                       .step = 0.1,
+                                       .light_step = 0.1,
+                                       .scatter_grid = 4,
+                                       .paths = 16,
+                                       .samples = 1,
+                                       .max_cut = 1.0};
+    assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
+    fills = 0;
+    log_set_level(LOG_DEBUG);
+    log_set_sink(count_fills);
+    if (!tolerance_render(tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image}, &result,
+                          &error))
+        fail_msg("%s", error.message);
+    log_set_sink(NULL);
+    log_set_level(LOG_INFO);
+    assert_int_equal(fills, 1);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_destroy(tolerance);
+    gl_stage_close(stage);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stated_grid_is_filled_once),
         cmocka_unit_test(a_white_ball_keeps_its_tolerance),
         cmocka_unit_test(white_noise_keeps_its_tolerance),
         cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
