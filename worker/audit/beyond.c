@@ -30,6 +30,7 @@ enum {
 static const double TRIAL_SHARE = 0.25;  // of the draws that are allowed: for the trials' paths
 static const double SAFETY = 0.8;        // of what is left: the draws that are expected
 static const double VOXEL_DRAWS = 0.35;  // that take as long as reading a voxel
+static const double FRAME_DRAWS = 1e5;   // for each frame that is looked at, where it is not one alone
 static const double READING_SHARE = 0.5; // of the draws: for reading files
 static const char TOO_MUCH[] = "measuring it takes too much work";
 static const uint64_t TRIAL_SEED = 0x62f7b1c94d3e5a08u, SEED = 0x9d1c6e3b8a5f2471u;
@@ -39,9 +40,9 @@ struct measuring {
     struct truth_files files;
     struct still *stills; // owned, as are the paths; one for each frame
     struct paths *paths[FRAMES_MOST];
-    int frame_count;
-    double left;      // draws
-    int pixels, half; // to be measured; paths of each half of a pixel
+    int first, frame_count; // of the frames that are looked at
+    double left;            // draws
+    int pixels, half;       // to be measured; paths of each half of a pixel
     struct job_beyond *beyond;
     bool is_stopped;
 };
@@ -93,8 +94,7 @@ bool beyond_needs_paths(const struct job *job, int32_t frame, struct job_beyond 
     return !job_beyond_is_told(beyond);
 }
 
-// Draws that reading the frame's voxels takes as long as.
-static double count_reading(const struct job *job, int32_t frame)
+static double count_voxels(const struct job *job, int32_t frame)
 {
     struct scene_inputs inputs = {0};
     double sum = 0.0;
@@ -103,45 +103,46 @@ static double count_reading(const struct job *job, int32_t frame)
     for (size_t i = 0; i < job->scene.medium_count; i++) {
         const int *size = inputs.media[i].header.size;
 
-        if (inputs.media[i].source) sum += VOXEL_DRAWS * (double)size[0] * size[1] * size[2];
+        if (inputs.media[i].source) sum += (double)size[0] * size[1] * size[2];
     }
     scene_inputs_finish(&inputs);
     return sum;
 }
 
-static bool read_files(struct measuring *measuring, int32_t frame)
+// Chooses as many frames as the draws allow, for bounding each one's densities takes time that is not counted. False:
+// reading the files would take too much.
+static bool afford_frames(struct measuring *measuring)
 {
-    const struct job *job = measuring->params->job;
-    double draws = count_reading(job, frame);
-    struct error error = {{0}};
+    const struct beyond_params *params = measuring->params;
+    int count = params->frame_count < FRAMES_MOST ? params->frame_count : FRAMES_MOST, middle = (count - 1) / 2;
+    bool is_one = reads_sequence(params->job) || measuring->left < FRAME_DRAWS * count;
+    double reading = params->inputs ? 0.0 : VOXEL_DRAWS * count_voxels(params->job, params->frames[middle]);
 
-    if (draws > READING_SHARE * measuring->left) {
+    measuring->first = is_one ? middle : 0;
+    measuring->frame_count = is_one ? 1 : count;
+    if (reading > READING_SHARE * measuring->left) {
         say(measuring->beyond, TOO_MUCH);
         return false;
     }
-    measuring->left -= draws;
-    if (truth_files_load(&measuring->files, job, frame, &error)) return true;
-    say(measuring->beyond, error.message);
-    return false;
+    measuring->left -= reading;
+    return true;
 }
 
 static bool open_frames(struct measuring *measuring)
 {
     const struct beyond_params *params = measuring->params;
     const struct job *job = params->job;
-    bool is_one = reads_sequence(job);
-    int count = params->frame_count < FRAMES_MOST ? params->frame_count : FRAMES_MOST;
-    int middle = (count - 1) / 2, first = is_one ? middle : 0;
+    const int32_t *frames = params->frames + measuring->first;
     const struct still_inputs *inputs = params->inputs ? params->inputs : &measuring->files.inputs;
     struct error error = {{0}};
 
-    if (!params->inputs && !read_files(measuring, params->frames[middle])) return false;
-    measuring->frame_count = is_one ? 1 : count;
+    if (!params->inputs && !truth_files_load(&measuring->files, job, frames[0], &error)) {
+        say(measuring->beyond, error.message);
+        return false;
+    }
     measuring->stills = xcalloc(FRAMES_MOST, sizeof *measuring->stills);
     for (int i = 0; i < measuring->frame_count; i++) {
-        double time = pixel_samples_middle(job, params->frames[first + i]);
-
-        still_init_with_inputs(&measuring->stills[i], job, time, inputs);
+        still_init_with_inputs(&measuring->stills[i], job, pixel_samples_middle(job, frames[i]), inputs);
         measuring->paths[i] = paths_create(&measuring->stills[i], SCENE_ORDERS_ALL, &error);
         if (measuring->paths[i]) continue;
         say(measuring->beyond, error.message);
@@ -254,7 +255,9 @@ bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyon
 {
     struct measuring measuring = {.params = params, .left = params->draws_most, .beyond = beyond};
 
-    if (beyond_needs_paths(params->job, params->frames[0], beyond) && open_frames(&measuring)) measure(&measuring);
+    if (beyond_needs_paths(params->job, params->frames[0], beyond) && afford_frames(&measuring) &&
+        open_frames(&measuring))
+        measure(&measuring);
     for (int i = 0; i < measuring.frame_count; i++)
         paths_destroy(measuring.paths[i]);
     truth_files_finish(&measuring.files);

@@ -12,9 +12,11 @@ struct still_inputs;
 
 struct beyond_params {
     const struct job *job;
-    const int32_t *frames; // that stand for all; where a file belongs to one frame each, only the middle one is read
-    int frame_count;       // >= 1
-    // Files of the middle one, read already; NULL: they are read, for a part of the draws.
+    // That stand for all; only the middle one is looked at where a file belongs to one frame each, and where the draws
+    // do not allow more.
+    const int32_t *frames;
+    int frame_count; // >= 1
+    // Files of the middle one, read already; NULL: they are read, which counts as draws.
     const struct still_inputs *inputs;
     uint64_t seed;                   // other numbers draw other paths; plans have 0
     double draws_most;               // random numbers that may be drawn: looks at densities, and a few more
@@ -30,7 +32,8 @@ bool beyond_needs_paths(const struct job *job, int32_t frame, struct job_beyond 
 // Both pictures, that of the modelled orders and that of all, are those of the same paths, with one sample a pixel in
 // the middle of the shutter's time: the light that is left out is their difference. It is measured twice, by 8 to 64
 // paths, in each of 64 to 1024 pixels that lie evenly in the picture. Both numbers follow from what some other paths
-// cost. Equal parameters give equal results. `drawn` (may be NULL) receives the random numbers that were drawn. False
-// when it was stopped. What cannot be measured says why: surfaces and densities that paths cannot follow, files that
-// cannot be read, black frames, too few draws.
+// cost. Equal parameters give equal results. `drawn` (may be NULL) receives the random numbers that were drawn, and
+// those that would take as long as reading files. False when it was stopped. What cannot be
+// measured says why: surfaces and densities that paths cannot follow, files that cannot be read, black frames, too few
+// draws.
 bool beyond_measure(const struct beyond_params *params, struct job_beyond *beyond, double *drawn);

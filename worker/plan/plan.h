@@ -28,7 +28,7 @@ struct plan {
     double predicted_error;                       // relative RMSE: the quadratic mean over the segment's frames
     char reason[PLAN_REASON_SIZE];                // one sentence: why this plan and no other
     double work;                                  // evaluations of density per pixel, as plan_family_work counts them
-    double making_work;                           // evaluations of density for making the plan
+    double making_work;                           // of making the plan, linking its programs included
     struct job_beyond beyond;                     // what the modelled orders of scattering leave out
     double work_ratio;             // mean work of the segment's frames, some of which are refined, relative to `work`
     struct plan_scouting scouting; // which frames are refined

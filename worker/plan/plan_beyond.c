@@ -21,7 +21,7 @@ static const double DRAW_WORK = 40.0;
 
 double plan_beyond_find_limit(double work)
 {
-    return fmin(SHARE * (work + PLAN_LINK_WORK), PLAN_LINK_WORK) / DRAW_WORK;
+    return fmin(SHARE * work, PLAN_LINK_WORK) / DRAW_WORK;
 }
 
 static bool measure(const struct plan_params *params, const struct plan_segment *segment, double work,
@@ -76,7 +76,7 @@ bool plan_beyond_measure_stated(const struct plan_params *params, struct job_bey
     const struct job *job = params->job;
     struct plan_segment segment = plan_segment_at(job, 0);
 
-    return measure(params, &segment, draft_count(job) * job->width_px * job->height_px, NULL, beyond);
+    return measure(params, &segment, draft_count(job) * job->width_px * job->height_px + PLAN_LINK_WORK, NULL, beyond);
 }
 
 bool plan_beyond_measure_asked(const struct plan_params *params, struct job_beyond *beyond)

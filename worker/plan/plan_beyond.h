@@ -11,8 +11,8 @@
 struct error;
 struct plan;
 
-// Random numbers that paths may draw beside counted work: 2 % of it, and of linking one program, without which nothing
-// is rendered; at most as many as take as long as such a link.
+// Random numbers that paths may draw beside counted work, of which linking programs is a part: 2 % of it, and at most
+// as many as take as long as one link.
 double plan_beyond_find_limit(double work);
 
 // Sets the plan's `beyond`, in the segment's pilot frames. The plan is whole but for predicted seconds; where

@@ -148,6 +148,7 @@ struct choice {
     size_t family;
     bool is_found, is_cheap; // is_cheap: no other family would repay its linking
     int serve_count;
+    int link_count;  // of programs, that of the pilot's own family included
     char tried[160]; // the names of the families, and the work of their best settings
 };
 
@@ -209,7 +210,8 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
     double works[FAMILY_LIMIT], work_limit = WORK_LIMIT * plan_pilot_fine_work(pilot);
     int count = sort_families(pilot, families, works);
 
-    *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
+    *choice = (struct choice){
+        .finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count, .link_count = 1};
     for (int i = 0; i < count; i++) {
         struct attempt attempt = {.params = params,
                                   .family = &plan_families[families[i]],
@@ -229,6 +231,7 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
         finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : work_limit);
         if (finding.found == PLAN_GAVE_UP) return false;
         note_tried(choice, attempt.family, &finding);
+        if (attempt.family != plan_pilot_finest(pilot)) choice->link_count++;
         if (!is_better(choice, &finding)) continue;
         choice->finding = finding;
         choice->family = families[i];
@@ -353,7 +356,7 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
         error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
                          "densities, numbers and files without NaN and infinity");
     }
-    if (ok) plan->making_work = plan_pilot_count_evaluations(pilot);
+    if (ok) plan->making_work = plan_pilot_count_evaluations(pilot) + choice.link_count * PLAN_LINK_WORK;
     if (ok)
         log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
                   "%d small renders",

@@ -382,6 +382,11 @@ int plan_pilot_count_renders(const struct plan_pilot *pilot)
     return pilot->render_count;
 }
 
+const struct plan_family *plan_pilot_finest(const struct plan_pilot *pilot)
+{
+    return find_finest(pilot);
+}
+
 double plan_pilot_count_evaluations(const struct plan_pilot *pilot)
 {
     return pilot->evaluations;

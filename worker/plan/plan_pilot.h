@@ -10,6 +10,7 @@
 #include <stdbool.h>
 
 struct plan_evidence;
+struct plan_family;
 struct error;
 struct plan_params;
 struct plan_pilot;
@@ -39,6 +40,8 @@ enum { PLAN_ALL_FRAMES = -1 };
 // plan_pilot_fault says why.
 enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality, int frame,
                                       struct plan_errors *errors);
+// The family that is rendered in ever finer steps.
+const struct plan_family *plan_pilot_finest(const struct plan_pilot *pilot);
 // Evaluations of density in all measurements so far, as plan_family_work counts them.
 double plan_pilot_count_evaluations(const struct plan_pilot *pilot);
 // The fault and the error that stopped the last measurement.
