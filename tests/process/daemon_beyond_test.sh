@@ -45,7 +45,7 @@ march() { "$bin/march" "$@" </dev/null; }
 cd "$scratch" || exit 1
 thick 1 '{"tolerance": 0.05}' >tolerant.json
 thick 1 '{"method": "midpoint", "step": 0.1, "light_step": 0.1}' >stated.json
-thick '"all"' '{"method": "paths", "paths": 4}' >all.json
+thick '"all"' '{"method": "paths", "paths": 4, "samples": 2}' >all.json
 thick 1 '"draft"' >draft.json
 thick 1 '{"tolerance": 0.05}' '.frames = "0" | .scene.media[0] |= . + {"sigma_s": 0, "emission": 1}' >glow.json
 
@@ -76,6 +76,9 @@ render glow
 expect "what emits and does not scatter" "$(number glow.0000.exr marchd:beyond)" 0
 render all
 expect "all orders" "$(number all.0000.exr marchd:beyond)" ""
+# Its paths are counted, those of both samples.
+expect "paths" "$(number all.0000.exr marchd:paths)" 800
+expect "a march's paths" "$(number stated.0000.exr marchd:paths)" ""
 march render tolerant.json --frames 0 --plan-of tolerant.0000.exr --out again.####.exr --backend software >out.txt 2>&1 || fail "$(cat out.txt)"
 expect "a frame rendered again" "$(number again.0000.exr marchd:beyond)" "$(number tolerant.0000.exr marchd:beyond)"
 
