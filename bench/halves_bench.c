@@ -96,9 +96,8 @@ static bool measure(struct halves *halves, struct error *error)
 static bool exchange(const char *path, double *values, size_t count, bool writes)
 {
     FILE *file = fopen(path, writes ? "we" : "re");
-    bool ok =
-        file && (writes ? fwrite(values, sizeof *values, count, file) : fread(values, sizeof *values, count, file)) ==
-                    count;
+    bool ok = file && (writes ? fwrite(values, sizeof *values, count, file)
+                              : fread(values, sizeof *values, count, file)) == count;
 
     if (file && fclose(file) != 0) ok = false;
     return ok;

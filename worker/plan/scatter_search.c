@@ -15,6 +15,8 @@ enum {
 static const double CELLS_SHARE = 0.7;
 // Of all paths that may be traced, those of one measurement of a grid: finer grids are to have their turn.
 static const double GRID_PART = 0.25;
+// Of a squared error, what is noise at least: two measurements may agree by chance.
+static const double NOISE_LEAST = 0.1;
 // Linear interpolation's squared error falls by no higher power of the number of cells.
 static const double STEEPEST = 4.0;
 
@@ -43,12 +45,21 @@ static bool measure(struct walk *walk, int grid_rung, int path_rung, double *squ
     return false;
 }
 
-// True while a measurement with so many paths is affordable.
+static bool has_found_grid(const struct walk *walk)
+{
+    return walk->finding.is_found && walk->finding.grid_rung != SCATTER_PIXELS;
+}
+
+// True while a measurement with so many paths is affordable. Where only many paths of pixels keep the target, a share
+// of what a frame of them takes is spent on finding a grid.
 static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
 {
+    static const double SHARE_OF_FRAME = 0.25;
     double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
     double most = walk->search->path_max, paths = nodes * exp2(path_rung);
 
+    if (walk->finding.grid_rung == SCATTER_PIXELS && isfinite(walk->cost))
+        most = fmax(most, SHARE_OF_FRAME * walk->cost);
     if (path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
     return grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }
@@ -76,9 +87,8 @@ struct parts {
 // compared with count. Paths of pixels have noise alone.
 static struct parts split(double coarse, double fine, int rungs, bool is_of_pixels)
 {
-    static const double LEAST = 0.1; // two measurements may agree by chance
     static const double LEAST_OF_PIXELS = 0.5;
-    double noise = fmax((coarse - fine) / (exp2(rungs) - 1.0), LEAST * fmax(fine, 0.0));
+    double noise = fmax((coarse - fine) / (exp2(rungs) - 1.0), NOISE_LEAST * fmax(fine, 0.0));
 
     if (is_of_pixels) { // by the mean variance of all paths that were traced
         noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
@@ -112,15 +122,15 @@ static void note_grid(struct walk *walk, int grid_rung, int path_rung, struct pa
     walk->noise = parts->noise * exp2(path_rung);
     if (parts->cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = grid_rung;
-    walk->coarse_cells = parts->cells;
+    walk->coarse_cells = parts->cells / (1.0 - NOISE_LEAST);
 }
 
-// Where all grids that could be tried are too coarse, chooses a finer one by what they tell.
-static void guess_grid(struct walk *walk)
+// Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
+static void guess_grid(struct walk *walk, int rung)
 {
     double wanted = walk->search->target * walk->search->target;
 
-    for (int rung = walk->coarse_rung + 1; walk->coarse_cells > 0.0 && rung < SCATTER_GRID_RUNGS; rung++) {
+    for (; walk->coarse_cells > 0.0 && rung < SCATTER_GRID_RUNGS; rung++) {
         double cells = least_cells(walk, rung);
         int paths;
 
@@ -131,42 +141,86 @@ static void guess_grid(struct walk *walk)
     }
 }
 
-// Tries one grid. Paths are quadrupled until their noise is within the target or they are too many.
-static bool try_grid(struct walk *walk, int grid_rung, int path_rung)
+// True where the cells alone are over their share, and so much that chance does not matter.
+static bool is_too_coarse(const struct parts *parts, double wanted)
+{
+    return parts->cells > wanted + parts->noise;
+}
+
+// Tries one grid. Paths are quadrupled until their noise is within the target, or they are too many, or do not matter.
+static bool try_grid(struct walk *walk, int grid_rung, int path_rung, struct parts *parts)
 {
     double wanted = walk->search->target * walk->search->target, coarse, fine;
-    struct parts parts = {.noise = INFINITY};
     int first = path_rung, by = 0;
 
+    *parts = (struct parts){.noise = INFINITY};
     if (!measure(walk, grid_rung, path_rung, &coarse)) return false;
-    while (parts.noise > wanted && is_affordable(walk, grid_rung, path_rung + 2)) {
+    while (parts->noise > wanted && !is_too_coarse(parts, wanted) && is_affordable(walk, grid_rung, path_rung + 2)) {
         if (!measure(walk, grid_rung, path_rung + 2, &fine)) return false;
         if (isinf(fine)) break;
         path_rung += 2;
-        parts = split(coarse, fine, path_rung - first, grid_rung == SCATTER_PIXELS);
+        *parts = split(coarse, fine, path_rung - first, grid_rung == SCATTER_PIXELS);
         if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
     }
-    if (isinf(parts.noise)) return true;
-    if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, &parts);
-    if (parts.cells <= CELLS_SHARE * wanted) by = find_rungs(parts.noise, wanted - parts.cells, path_rung);
-    keep(walk, grid_rung, path_rung + by, parts.cells + parts.noise * exp2(-by));
+    if (isinf(parts->noise)) return true;
+    if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, parts);
+    if (parts->cells <= CELLS_SHARE * wanted) by = find_rungs(parts->noise, wanted - parts->cells, path_rung);
+    keep(walk, grid_rung, path_rung + by, parts->cells + parts->noise * exp2(-by));
     return true;
 }
 
-// Finer grids, until one keeps the target and the next costs more; then coarser ones.
-static bool try_grids(struct walk *walk)
+// By how many rungs cells have to be finer. Their squared error falls with the fourth power of their size where light
+// is smooth, and not as quickly elsewhere: one rung less than that.
+static int find_finer(const struct walk *walk, const struct parts *parts, int grid_rung)
 {
-    int rung = GRID_FIRST, before;
+    double allowed = CELLS_SHARE * walk->search->target * walk->search->target;
+    int by = parts->cells > allowed ? (int)(log2(parts->cells / allowed) / 2.0) : 1;
 
-    for (; rung < SCATTER_GRID_RUNGS && is_affordable(walk, rung, PATHS_FIRST + 2); rung++) {
-        if (!try_grid(walk, rung, PATHS_FIRST)) return false;
-        if (walk->finding.is_found && walk->finding.grid_rung < rung) break;
+    while (by > 1 && (grid_rung + by >= SCATTER_GRID_RUNGS || !is_affordable(walk, grid_rung + by, PATHS_FIRST + 2)))
+        by--;
+    return by > 1 ? by : 1;
+}
+
+// Finer grids from *rung on, until one keeps the target and the next costs more. *rung becomes the first that was not
+// tried.
+static bool try_finer(struct walk *walk, int *rung)
+{
+    struct parts parts;
+
+    while (*rung < SCATTER_GRID_RUNGS && is_affordable(walk, *rung, PATHS_FIRST + 2)) {
+        int tried = *rung;
+
+        if (!try_grid(walk, tried, PATHS_FIRST, &parts)) return false;
+        *rung += find_finer(walk, &parts, tried);
+        if (has_found_grid(walk) && walk->finding.grid_rung != tried) break;
     }
-    before = walk->finding.grid_rung;
-    for (rung = GRID_FIRST - 1; rung >= 0 && walk->finding.is_found && before == rung + 1; rung--) {
-        if (!try_grid(walk, rung, PATHS_FIRST)) return false;
+    return true;
+}
+
+static bool try_coarser(struct walk *walk)
+{
+    int before = walk->finding.grid_rung;
+    struct parts parts;
+
+    for (int rung = before - 1; rung >= 0 && walk->finding.is_found && before == rung + 1; rung--) {
+        if (!try_grid(walk, rung, PATHS_FIRST, &parts)) return false;
         before = walk->finding.grid_rung;
     }
+    return true;
+}
+
+static bool try_all(struct walk *walk)
+{
+    int rung = GRID_FIRST;
+    struct parts parts;
+
+    if (walk->search->has_grid && !try_finer(walk, &rung)) return false;
+    // Pixels cannot need fewer paths than one each.
+    if (!has_found_grid(walk) || walk->cost > walk->search->pixels)
+        if (!try_grid(walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST, &parts)) return false;
+    if (walk->search->has_grid && !has_found_grid(walk) && !try_finer(walk, &rung)) return false;
+    if (has_found_grid(walk)) return try_coarser(walk);
+    guess_grid(walk, rung);
     return true;
 }
 
@@ -177,10 +231,6 @@ struct scatter_finding scatter_search_run(const struct scatter_search *search)
                         .cost = INFINITY,
                         .least = INFINITY};
 
-    if (search->has_grid && !try_grids(&walk)) return walk.finding;
-    if (!walk.finding.is_found) guess_grid(&walk);
-    // Pixels cannot need fewer paths than one each.
-    if (walk.finding.is_found && walk.cost <= search->pixels) return walk.finding;
-    (void)try_grid(&walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST);
+    (void)try_all(&walk);
     return walk.finding;
 }

@@ -18,6 +18,8 @@ struct terrain {
     double chance; // of the square, in what the picture is compared with: added to one measurement, taken from the next
     int stop_after; // measurements; 0: never
     int measured;
+    double traced;
+    int most_of_few; // the largest rung of paths of at most 16 cells
 };
 
 static double square_of(const struct terrain *terrain, int grid_rung, int path_rung)
@@ -33,6 +35,9 @@ static bool measure(void *user, int grid_rung, int path_rung, double *square)
 {
     struct terrain *terrain = user;
 
+    if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= 16 && path_rung > terrain->most_of_few)
+        terrain->most_of_few = path_rung;
+    terrain->traced += (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
     *square = square_of(terrain, grid_rung, path_rung) + (terrain->measured % 2 ? -1 : 1) * terrain->chance;
     return ++terrain->measured != terrain->stop_after;
 }
@@ -127,6 +132,31 @@ static void a_grid_too_fine_to_be_tried_is_found_by_coarser_ones(void **state)
     (void)state;
 }
 
+// Where cells are too large, more paths of their nodes would tell nothing: what may be traced is left for finer ones.
+static void paths_are_not_spent_on_cells_that_are_too_large(void **state)
+{
+    struct terrain terrain = {.cells = 100.0, .noise = 160.0, .pixel_noise = 1e3};
+    struct scatter_finding found = search_within(&terrain, 0.03, true, 6e7);
+
+    assert_true(found.is_found && scatter_grid_cells[found.grid_rung] >= 64);
+    assert_true(terrain.most_of_few <= 8);
+    assert_true(square_of(&terrain, found.grid_rung, found.path_rung) <= 1.001 * 0.03 * 0.03);
+    (void)state;
+}
+
+// A frame whose pixels need many paths is worth a longer search for a grid.
+static void a_search_costs_what_a_frame_allows(void **state)
+{
+    struct terrain dear = {.cells = 100.0, .noise = 0.1, .pixel_noise = 40.0}, cheap = dear;
+
+    cheap.pixel_noise = 0.1;
+    assert_true(search_within(&dear, 0.03, true, 1e6).grid_rung >= 0);
+    assert_true(dear.traced < 0.3 * cost_of(SCATTER_PIXELS, (int)ceil(log2(40.0 / 0.03 / 0.03))));
+    assert_int_equal(search_within(&cheap, 0.03, true, 1e6).grid_rung, SCATTER_PIXELS);
+    assert_true(cheap.traced <= 1e6);
+    (void)state;
+}
+
 static void the_nearest_is_kept_where_nothing_suffices(void **state)
 {
     struct terrain noisy = {.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
@@ -151,6 +181,8 @@ int main(void)
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
         cmocka_unit_test(a_grid_too_fine_to_be_tried_is_found_by_coarser_ones),
+        cmocka_unit_test(paths_are_not_spent_on_cells_that_are_too_large),
+        cmocka_unit_test(a_search_costs_what_a_frame_allows),
         cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
         cmocka_unit_test(a_search_ends_where_it_is_stopped),
     };
