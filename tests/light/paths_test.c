@@ -213,6 +213,22 @@ static void the_thickest_white_media_lose_no_light(void **state)
     close_stage(&stage);
 }
 
+// One path may be as long as a hundred others: it is followed for as long as it takes, over hundreds of slices.
+static void a_single_path_may_be_long(void **state)
+{
+    const struct bias_check_scene scene = {.media = EVEN("\"sigma_s\": 5600, \"sigma_a\": 0"),
+                                           .lights = "{ \"kind\": \"dome\", \"radiance\": 1 },",
+                                           .orders = "\"all\"",
+                                           .background = "",
+                                           .quality = PATHS("1")};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+
+    (void)state;
+    for (int32_t frame = 0; frame < 12; ++frame)
+        render(&stage, frame);
+    close_stage(&stage);
+}
+
 // Alpha, transmittance and depth are those of the medium, within the noise of 256 estimates of a white one.
 static void alpha_and_depth_are_those_of_the_medium(void **state)
 {
@@ -246,6 +262,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_plan_draws_other_paths),
         cmocka_unit_test(thick_white_media_come_to_an_end),
         cmocka_unit_test(the_thickest_white_media_lose_no_light),
+        cmocka_unit_test(a_single_path_may_be_long),
         cmocka_unit_test(alpha_and_depth_are_those_of_the_medium),
     };
 

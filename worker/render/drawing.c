@@ -16,8 +16,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-// Slices in a row that finish no pixel of a tile: five million iterations; and so many more for each of its paths.
-enum { IDLE_SLICE_LIMIT = 256, IDLE_SLICE_PATHS = 16 };
+// Slices in a row that finish no pixel of a tile: five million iterations. A random path in thick white media may have
+// millions of scatterings, and a pixel as many more slices for each of its paths.
+enum { IDLE_SLICE_LIMIT = 256, IDLE_WALK_LIMIT = 1 << 16, IDLE_SLICE_PATHS = 16 };
 
 bool drawing_tools_init(struct drawing_tools *tools, const struct gl_context *context, struct error *error)
 {
@@ -214,12 +215,20 @@ static struct pixel first_pixel(const struct drawing *drawing, const struct tile
     return drawing->layout->pixels[pixel_layout_index(drawing->layout, tile->first, 0, 0)];
 }
 
+static int64_t find_idle_limit(const struct drawing *drawing)
+{
+    const struct scene_model *model = &drawing->scene->model;
+
+    if (!model->features.is_walked) return IDLE_SLICE_LIMIT;
+    return IDLE_WALK_LIMIT + (int64_t)IDLE_SLICE_PATHS * model->job->quality.paths;
+}
+
 // Draws slices of the tile's marches until all pixels are done. Pixels that never finish fail the frame.
 static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error *error)
 {
     const struct gl_slices *slices = &drawing->tools->slices;
     int64_t left = count_pixels(drawing, tile);
-    int64_t limit = IDLE_SLICE_LIMIT + (int64_t)IDLE_SLICE_PATHS * drawing->scene->model.job->quality.paths;
+    int64_t limit = find_idle_limit(drawing);
 
     for (int64_t idle = 0; left > 0; ++idle) {
         double start = clock_now_s(), seconds;
