@@ -69,4 +69,4 @@ install(DIRECTORY deploy/prometheus deploy/grafana DESTINATION ${CMAKE_INSTALL_D
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
 # Without the programs that drew and simulated what is there.
 install(DIRECTORY jobs DESTINATION ${CMAKE_INSTALL_DATADIR}/marchd
-        PATTERN smoke/simulate EXCLUDE PATTERN textures/draw_* EXCLUDE)
+        PATTERN smoke/simulate EXCLUDE PATTERN cumulus/grow EXCLUDE PATTERN textures/draw_* EXCLUDE)

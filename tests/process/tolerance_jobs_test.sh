@@ -5,7 +5,8 @@ set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/tolerance_jobs_test.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
-cp -r "$PROJECT_ROOT"/jobs/* "$PROJECT_ROOT"/bench/contract_jobs/* "$scratch"
+cp -r "$PROJECT_ROOT"/bench/contract_jobs/* "$scratch"
+cp -r "$PROJECT_ROOT"/jobs/* "$scratch"
 cd "$scratch" || exit 1
 . "$PROJECT_ROOT/tests/process/march.sh"
 
