@@ -83,6 +83,13 @@ struct job_pixels {
     double threshold; // (0, 1]: the doubt, relative to the picture's RMS, above which a pixel is traced
 };
 
+// Where what fills a grid of scattered light begins.
+enum job_scatter_from {
+    JOB_SCATTER_FROM_ANY,    // where it costs less (worker/model/scatter_grid.h)
+    JOB_SCATTER_FROM_LIGHTS, // particles fly out from the lights
+    JOB_SCATTER_FROM_NODES   // walks lead from the grid's nodes to the lights
+};
+
 struct job_quality {
     enum job_method method;
     bool is_draft;                         // a quick look, with whatever method: no tolerance, no limit of cut light
@@ -100,9 +107,10 @@ struct job_quality {
     // Cells along the longest side of the grid of scattered light (above order 1, beside a march), [4,
     // JOB_SCATTER_GRID_LIMIT]; 0: none.
     int scatter_grid;
-    int paths;                    // a pixel (paths), or a node of the scatter_grid; 0: neither
-    enum job_estimator estimator; // (tracking)
-    double min_transmittance;     // a ray ends below it; 0: never
+    enum job_scatter_from scatter_from; // (scatter_grid)
+    int paths;                          // a pixel (paths), or a node of the scatter_grid; 0: neither
+    enum job_estimator estimator;       // (tracking)
+    double min_transmittance;           // a ray ends below it; 0: never
     // Russian roulette: a ray whose transmittance is below `roulette_below` survives with the probability
     // `roulette_survive`, by which its light is then divided.
     double roulette_below, roulette_survive; // 0: no roulette

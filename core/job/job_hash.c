@@ -136,6 +136,7 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     hash_text_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
     if (quality->paths > 0) fprintf(text, " scatter_grid %d paths %d", quality->scatter_grid, quality->paths);
+    if (quality->scatter_from != JOB_SCATTER_FROM_ANY) fprintf(text, " from %d", (int)quality->scatter_from);
     if (quality->pixels.stride == 0) return;
     fprintf(text, " stride %d", quality->pixels.stride);
     hash_text_numbers(text, "threshold", &quality->pixels.threshold, 1);

@@ -181,6 +181,19 @@ bool scattering_check(const struct job *job, const struct json_node *document, s
     return check_domes(&check) && check_sizes(&check) && check_paths(&check) && check_method(&check);
 }
 
+// Light that media emit comes to a scatter_grid from its nodes alone.
+static bool may_emit(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_medium *medium = &scene->media[i];
+
+        if (medium->has_emission || medium->blackbody.grid_name ||
+            (medium->density.kind == SCENE_DENSITY_GRID && medium->density.grid.point_count > 0))
+            return true;
+    }
+    return false;
+}
+
 bool scattering_check_is_rendered(const struct job *job, const struct json_node *document, struct error *error)
 {
     const struct check check = check_of(job, document, error);
@@ -203,10 +216,13 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
     for (size_t i = 0; i < job->scene.light_count; i++) {
         const struct scene_light *light = &job->scene.lights[i];
         bool is_even = light->kind == SCENE_LIGHT_DOME && light->dome.kind != SCENE_DOME_FILE;
-        bool is_shown = is_paths || (is_even && job->quality.scatter_grid > 0);
+        bool is_from_lights = job->quality.scatter_from != JOB_SCATTER_FROM_NODES && !may_emit(&job->scene);
+        bool is_shown = is_paths || ((is_even || is_from_lights) && job->quality.scatter_grid > 0);
 
         if (light_rules_of(light->kind)->has_size && !is_shown)
-            return fail_light(&check, i, "kind", "not rendered yet by this method: only paths show it");
+            return fail_light(
+                &check, i, "kind",
+                "not rendered yet by this method: only paths, or a scatter_grid from the lights, show it");
     }
     return true;
 }

@@ -1,9 +1,7 @@
 // Fills the grid of scattered light: from each node walks go out against the light, and gather what they meet. The
 // mean over a node's walks has no bias, whatever the grid. A walk that ends makes room for the node's next one, so that
 // one loop follows them all. Free flights and colours are those of integrator/delta.glsl.
-const int SCATTER_GRID_ITERATIONS = 20000; // of one turn: some drivers end loops after 65,535
 const int SCATTER_GRID_LAST_START = 4000;  // no walk begins in a turn after it
-const float SCATTER_GRID_FAINT = 0.25;     // a walk that carries less ends at random
 const float SCATTER_GRID_UNNEEDED = 2e6;   // alpha of nodes without media around: more than there are walks
 
 struct ScatterWalk {
@@ -15,14 +13,6 @@ struct ScatterWalk {
     int scatterings;
     int iterations; // of a turn
 };
-
-// What is fainter than SCATTER_GRID_FAINT ends at random, and is weighted where it goes on, which keeps the mean.
-Spectrum scatter_walk_thin(Spectrum weight)
-{
-    float most = spectrum_max(weight);
-    if (most >= SCATTER_GRID_FAINT) return weight;
-    return walk_random() * SCATTER_GRID_FAINT < most ? weight * (SCATTER_GRID_FAINT / most) : spectrum(0.0);
-}
 
 void scatter_walk_turn(inout ScatterWalk walk, vec3 position, vec3 direction)
 {

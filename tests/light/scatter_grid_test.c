@@ -49,6 +49,14 @@
     "{ \"kind\": \"dome\", \"gradient\": { \"along\": [2, 1, 0.5], \"against\": 0.2, \"axis\": [1, 2, 0] } },"
 #define GRID ", \"scatter_grid\": 16, \"paths\": 1024"
 #define CACHED "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48" GRID
+#define FROM_LIGHTS "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_from\": \"lights\""
+#define LIGHTS FROM_LIGHTS ", \"scatter_grid\": 20, \"paths\": 256"
+#define INSIDE "{ \"kind\": \"point\", \"intensity\": [1, 3, 2], \"position\": [0.3, -0.2, 0.25] },"
+#define FLAT "{ \"kind\": \"point\", \"falloff\": \"none\", \"intensity\": [1, 3, 2], \"position\": [1.2, 1, 0.9] },"
+#define SPHERE "{ \"kind\": \"sphere\", \"intensity\": [3, 2, 4], \"position\": [1.5, 0.5, 0.9], \"radius\": 0.4 },"
+#define SPOT_INSIDE                                                                                                    \
+    "{ \"kind\": \"spot\", \"intensity\": 5, \"position\": [0.3, 0.4, 0.1], \"direction\": [-1, -1, 0],"               \
+    " \"inner\": 20, \"outer\": 45 },"
 
 // The light of the scene at pixels' centres by reference/, with standard errors. The background is black.
 struct truth {
@@ -128,6 +136,134 @@ static void domes_are_those_of_the_reference(void **state)
     assert_true_to(NOISE, GRADIENT SUN, "\"all\"", 0.03);
 }
 
+struct stage {
+    struct gl_stage gl;
+    struct image image;
+    struct renderer_result result;
+};
+
+static void render_on(struct stage *stage, const struct job *job)
+{
+    struct error error = {{0}};
+
+    if (!renderer_render(stage->gl.renderer, &(struct renderer_frame){.job = job, .image = &stage->image},
+                         &stage->result, &error))
+        fail_msg("%s", error.message);
+}
+
+static struct stage open_stage(void)
+{
+    struct stage stage = {.gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir())};
+
+    assert_true(image_init(&stage.image, BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, true, true, NULL));
+    return stage;
+}
+
+static void close_stage(struct stage *stage)
+{
+    image_finish(&stage->image);
+    gl_stage_close(stage->gl);
+}
+
+// The limits are twice what the cells and particles err by here.
+static void assert_sent(const char *media, const char *lights, const char *orders, double limit)
+{
+    struct truth truth;
+
+    find_truth(&truth, media, lights, orders);
+    assert_near_truth(&truth, LIGHTS, limit);
+}
+
+static void particles_from_lights_bring_all_orders(void **state)
+{
+    (void)state;
+    assert_sent(EVEN, SUN, "2", 0.02);
+    assert_sent(EVEN, SUN LAMP, "\"all\"", 0.02);
+    assert_sent(FORWARD, SUN, "\"all\"", 0.05);
+    assert_sent(RAYLEIGH, SPOT GRADIENT, "\"all\"", 0.022);
+    assert_sent(EVEN ", " FRACTAL, FLAT, "3", 0.03);
+}
+
+static void particles_come_from_lamps_of_all_sizes(void **state)
+{
+    (void)state;
+    assert_sent(EVEN, SPHERE, "2", 0.03);
+    assert_sent(EVEN, SPHERE SKY, "\"all\"", 0.02);
+    assert_sent(EVEN, INSIDE, "\"all\"", 0.06);
+    assert_sent(EVEN, SPOT_INSIDE, "\"all\"", 0.04);
+}
+
+// The noise of a picture, whose finest twin has some of its own.
+static double noise_beside(const double *light, const double *finest, double share)
+{
+    double square = 0, power = 0;
+
+    for (size_t k = 0; k < BIAS_CHECK_VALUES; ++k) {
+        square += pow(light[k] - finest[k], 2);
+        power += pow(finest[k], 2);
+    }
+    return sqrt(square / power / (1 + share));
+}
+
+// A lamp in the medium is no peak for particles that leave it: noise falls with the root of their number. With walks
+// it does not.
+static void noise_of_a_lamp_inside_falls_evenly(void **state)
+{
+    enum { FINEST = 4 };
+    struct bias_check_scene scene = {.media = EVEN, .lights = INSIDE, .orders = "\"all\"", .background = "0"};
+    double finest[BIAS_CHECK_VALUES], light[BIAS_CHECK_VALUES], first = 0;
+    char quality[256];
+
+    (void)state;
+    scene.quality = quality;
+    for (int i = FINEST; i >= 0; --i) {
+        double noise;
+
+        snprintf(quality, sizeof quality, FROM_LIGHTS ", \"scatter_grid\": 16, \"paths\": %d", 1 << 2 * i);
+        render_check(&scene, i == FINEST ? finest : light);
+        if (i == FINEST) continue;
+        noise = noise_beside(light, finest, exp2(2 * (i - FINEST))) * exp2(i);
+        print_message("%d paths a node: noise %.4f over their root\n", 1 << 2 * i, noise);
+        if (first == 0) first = noise;
+        assert_true(noise > 0 && noise < 1.6 * first && noise > first / 1.6);
+    }
+}
+
+static void assert_refused(const struct bias_check_scene *scene, const char *message)
+{
+    struct stage stage = open_stage();
+    struct error error = {{0}};
+    struct job job;
+
+    bias_check_parse(&job, scene);
+    assert_false(renderer_render(stage.gl.renderer, &(struct renderer_frame){.job = &job, .image = &stage.image},
+                                 &stage.result, &error));
+    if (!strstr(error.message, message)) fail_msg("%s", error.message);
+    job_finish(&job);
+    close_stage(&stage);
+}
+
+static void own_light_of_media_is_not_sent(void **state)
+{
+    const struct bias_check_scene scene = {.media = GLOW ", " EVEN, .lights = SUN, .orders = "2", .quality = LIGHTS};
+
+    (void)state;
+    assert_refused(&scene, "quality.scatter_from: expected \"nodes\", since media emit light");
+}
+
+static void a_grid_takes_no_more_than_512_mebibytes(void **state)
+{
+    struct bias_check_scene scene = {.media = EVEN, .lights = SUN, .orders = "2"};
+
+    (void)state;
+    scene.quality = "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 256";
+    assert_refused(&scene,
+                   "quality.scatter_grid: expected at most about 254 cells here, since a frame's grid takes up to "
+                   "512 MiB; 256 need 518");
+    scene.quality = FROM_LIGHTS ", \"scatter_grid\": 240";
+    assert_refused(&scene, "quality.scatter_grid: expected at most about 235 cells here");
+}
+
 // Media's own light is scattered once less than a sky's.
 static void emitted_light_scatters_too(void **state)
 {
@@ -200,77 +336,60 @@ static void media_of_other_phases_have_values_of_their_own(void **state)
     assert_true(square > 0 && sqrt(square / power) < 0.03);
 }
 
+static double furnace_error(const char *media, const char *quality)
+{
+    const struct bias_check_scene scene = {
+        .media = media, .lights = SKY, .orders = "\"all\"", .background = "0", .quality = quality};
+    struct image image;
+    struct job job;
+    double square = 0, power = 0;
+
+    bias_check_parse(&job, &scene);
+    render_frame_zero(&job, &image);
+    for (int k = 0; k < BIAS_CHECK_VALUES; ++k) {
+        double covered = 1 - image.transmittance[k / 3 * 4 + k % 3];
+
+        square += pow(image.rgba[k / 3 * 4 + k % 3] - covered, 2);
+        power += pow(covered, 2);
+    }
+    print_message("furnace: %.5f\n", sqrt(square / power));
+    assert_true(power > 1);
+    image_finish(&image);
+    job_finish(&job);
+    return sqrt(square / power);
+}
+
 // What scatters all of an even sky's light, whatever its shape and phase, looks like the sky: a ray brings what it
 // would bring without media. The sky is not seen behind them here.
 static void a_white_furnace_is_even(void **state)
 {
-    static const char *const media[] = {"{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("0.8"),
-                                        "{ \"sigma_s\": [9, 3, 1], \"sigma_a\": 0, \"density\": { \"kind\": \"noise\", "
-                                        "\"frequency\": 2.5, \"octaves\": 2,"
-                                        " \"mode\": \"clip\", \"scale\": 4, " BALL ", \"falloff\": 0.3 } } }"};
+    static const char noise[] =
+        "{ \"sigma_s\": [9, 3, 1], \"sigma_a\": 0, \"density\": { \"kind\": \"noise\", \"frequency\": 2.5,"
+        " \"octaves\": 2, \"mode\": \"clip\", \"scale\": 4, " BALL ", \"falloff\": 0.3 } } }";
 
     (void)state;
-    for (size_t i = 0; i < sizeof media / sizeof *media; ++i) {
-        const struct bias_check_scene scene = {
-            .media = media[i], .lights = SKY, .orders = "\"all\"", .background = "0", .quality = CACHED};
-        struct image image;
-        struct job job;
-        double square = 0, power = 0;
-
-        bias_check_parse(&job, &scene);
-        render_frame_zero(&job, &image);
-        for (int k = 0; k < BIAS_CHECK_VALUES; ++k) {
-            double covered = 1 - image.transmittance[k / 3 * 4 + k % 3];
-
-            square += pow(image.rgba[k / 3 * 4 + k % 3] - covered, 2);
-            power += pow(covered, 2);
-        }
-        print_message("furnace %zu: %.5f\n", i, sqrt(square / power));
-        // Weights are 1 without colours; those that share collisions have noise.
-        assert_true(power > 1 && sqrt(square / power) < (i == 0 ? 1e-4 : 0.022));
-        image_finish(&image);
-        job_finish(&job);
-    }
+    // Weights are 1 without colours; those that share collisions have noise.
+    assert_true(furnace_error("{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("0.8"), CACHED) < 1e-4);
+    assert_true(furnace_error(noise, CACHED) < 0.022);
 }
 
-struct stage {
-    struct gl_stage gl;
-    struct image image;
-    struct renderer_result result;
-};
-
-static void render_on(struct stage *stage, const struct job *job)
+// Particles have noise in any furnace.
+static void a_white_furnace_of_particles_is_even(void **state)
 {
-    struct error error = {{0}};
-
-    if (!renderer_render(stage->gl.renderer, &(struct renderer_frame){.job = job, .image = &stage->image},
-                         &stage->result, &error))
-        fail_msg("%s", error.message);
-}
-
-static struct stage open_stage(void)
-{
-    struct stage stage = {.gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir())};
-
-    assert_true(image_init(&stage.image, BIAS_CHECK_WIDTH_PX, BIAS_CHECK_HEIGHT_PX, true, true, NULL));
-    return stage;
-}
-
-static void close_stage(struct stage *stage)
-{
-    image_finish(&stage->image);
-    gl_stage_close(stage->gl);
+    (void)state;
+    assert_true(furnace_error("{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("0"), LIGHTS) < 0.015);
+    assert_true(furnace_error("{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("-0.5"), LIGHTS) < 0.03);
+    assert_true(furnace_error("{ \"sigma_s\": [9, 3, 1], \"sigma_a\": 0, " LOBE("0.5"), LIGHTS) < 0.03);
 }
 
 // A renderer that was busy before runs the walks in other strips. The grid is kept while nothing moves.
-static void a_grid_is_the_same_for_all(void **state)
+static void assert_same_for_all(const char *quality)
 {
-    struct bias_check_scene scene = {.media = EVEN, .lights = SUN, .orders = "\"all\"", .quality = CACHED};
+    struct bias_check_scene scene = {.media = EVEN, .lights = SUN, .orders = "\"all\"", .quality = quality};
     struct stage alone = open_stage(), busy = open_stage();
     size_t size = BIAS_CHECK_VALUES / 3 * 4 * sizeof *alone.image.rgba;
     struct job job, other;
 
-    (void)state;
     bias_check_parse(&job, &scene);
     scene.quality = "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 32, \"scatter_grid\": 9, \"paths\": 3000";
     bias_check_parse(&other, &scene);
@@ -291,12 +410,25 @@ static void a_grid_is_the_same_for_all(void **state)
     close_stage(&alone);
 }
 
+static void a_grid_is_the_same_for_all(void **state)
+{
+    (void)state;
+    assert_same_for_all(CACHED);
+    assert_same_for_all(LIGHTS);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_orders_are_those_of_the_reference),
         cmocka_unit_test(domes_are_those_of_the_reference),
+        cmocka_unit_test(particles_from_lights_bring_all_orders),
+        cmocka_unit_test(particles_come_from_lamps_of_all_sizes),
+        cmocka_unit_test(noise_of_a_lamp_inside_falls_evenly),
+        cmocka_unit_test(own_light_of_media_is_not_sent),
+        cmocka_unit_test(a_grid_takes_no_more_than_512_mebibytes),
         cmocka_unit_test(a_white_furnace_is_even),
+        cmocka_unit_test(a_white_furnace_of_particles_is_even),
         cmocka_unit_test(emitted_light_scatters_too),
         cmocka_unit_test_setup_teardown(voxels_are_lit_by_all_orders, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(every_march_looks_the_grid_up),

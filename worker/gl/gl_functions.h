@@ -18,6 +18,7 @@ struct gl_context;
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                   \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                               \
+    X(PFNGLCLEARNAMEDBUFFERDATAPROC, ClearNamedBufferData)                                                             \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                       \
     X(PFNGLCLEARTEXIMAGEPROC, ClearTexImage)                                                                           \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
@@ -56,6 +57,7 @@ struct gl_context;
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                           \
     X(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                       \
+    X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                                                 \
     X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                                               \
     X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)                                                 \
     X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                       \

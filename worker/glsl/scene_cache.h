@@ -37,6 +37,9 @@ struct scene_cache {
     // The program runs again, over texels that begin as 0 and that it reads, until no invocation has set
     // `cache_is_unfinished` to 1. Invocations are the program's own: each may write any texels.
     bool takes_turns;
+    // Whole numbers beside the texture, which begin as 0 and which the program adds to; the next cache reads them.
+    size_t sum_count;
+    bool reads_sums;  // of the cache before
     bool is_step;     // only other caches read it: it is released when they are filled
     bool reads_files; // its values depend on the frame's files
     uint64_t reads;   // bit i: it samples cache i of the program, an earlier one
@@ -45,7 +48,7 @@ struct scene_cache {
 void scene_cache_finish(struct scene_cache *cache); // accepts an empty one
 // Hashes all that the values follow from, except uniforms, files and the caches that it reads.
 void scene_cache_hash(const struct scene_cache *cache, char hash[static HASH_TEXT_SIZE]);
-size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the texture
+size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the texture, with its sums
 // Begins a program's text: version, layout, the image `cache_image` to write to, and bool cache_find_invocation(out
 // ivec3 at), which is false where there is nothing to do. On failure the cache is empty.
 bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,

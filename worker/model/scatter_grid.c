@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/model/scatter_grid.h"
 
+#include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/glsl/timeline_value.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/scene/media_extent.h"
 #include "worker/scene/scene_inputs.h"
@@ -77,6 +79,34 @@ static bool is_still(const struct scatter_grid *grid)
     return is_still;
 }
 
+// True when the lamp comes into the box at some time.
+static bool comes_into(const struct scene_light *light, const struct job *job, const struct scatter_grid_box *box)
+{
+    double least[3], most[3];
+
+    timeline_find_bounds(&light->position, job_time_span(job), least, most);
+    for (int i = 0; i < 3; ++i)
+        if (most[i] < box->low[i] || least[i] > box->low[i] + box->size[i]) return false;
+    return true;
+}
+
+// Walks from the nodes meet no sphere and no sun in an image, and the light of a lamp among them varies without bound.
+static bool is_from_lights(const struct scene_model *model, const struct scatter_grid_box *box)
+{
+    const struct scene *scene = &model->job->scene;
+    bool is_from_lights = model->job->quality.scatter_from == JOB_SCATTER_FROM_LIGHTS;
+
+    if (model->job->quality.scatter_from != JOB_SCATTER_FROM_ANY || model->features.has_emission) return is_from_lights;
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        const struct light_kind *kind = light_kind_of(&scene->lights[i]);
+
+        if (model->features.light_is_seen[i])
+            is_from_lights |= kind->is_sphere || kind->has_image ||
+                              (kind->is_inverse_square && comes_into(&scene->lights[i], model->job, box));
+    }
+    return is_from_lights;
+}
+
 bool scatter_grid_init(struct scatter_grid *grid, const struct scene_model *model)
 {
     const struct job *job = model->job;
@@ -87,8 +117,10 @@ bool scatter_grid_init(struct scatter_grid *grid, const struct scene_model *mode
     *grid = (struct scatter_grid){.job = job, .inputs = model->inputs};
     for (size_t i = 0; i < model->features.medium_count; ++i)
         if (model->features.media[i].scatters) add_medium(grid, i);
+    grid->is_rgb = model->features.is_rgb;
     grid->is_still = is_still(grid);
     box = scatter_grid_place(grid, job_frame_time(job, frame));
+    grid->is_from_lights = is_from_lights(model, &box);
     longest = fmax(fmax(box.size[0], box.size[1]), box.size[2]);
     if (!isfinite(longest)) return false;
     for (int i = 0; i < 3; ++i) {
@@ -150,4 +182,68 @@ void scatter_grid_add_paths(struct frame_uniforms *uniforms, const struct scatte
                                       .meaning = "quality.paths"};
 
     frame_uniforms_add(uniforms, value, "scatter_grid_paths");
+}
+
+size_t scatter_grid_node_count(const struct scatter_grid *grid)
+{
+    return (size_t)grid->nodes[0] * (size_t)grid->nodes[1] * (size_t)grid->nodes[2];
+}
+
+bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error)
+{
+    static const double limit = 512.0 * 1024 * 1024, texel = 16, sum = 8; // bytes
+    double fill = grid->is_from_lights ? sum * (grid->is_rgb ? 3 : 1) : texel;
+    double size = (texel + fill) * (double)grid->group_count * (double)scatter_grid_node_count(grid);
+
+    if (size <= limit) return true;
+    error_set(error,
+              "quality.scatter_grid: expected at most about %.0f cells here, since a frame's grid takes up to 512 MiB; "
+              "%d need %.0f",
+              floor(grid->job->quality.scatter_grid * cbrt(limit / size)) - 1, grid->job->quality.scatter_grid,
+              size / (1024 * 1024));
+    return false;
+}
+
+int scatter_grid_row_count(const struct scatter_grid *grid)
+{
+    static const double particles = 64, most = 1024; // of an invocation at least; rows
+    double all = (double)scatter_grid_node_count(grid) * grid->job->quality.paths;
+
+    return (int)fmin(fmax(ceil(all / (particles * SCATTER_GRID_ROW)), 1), most);
+}
+
+static void evaluate_nodes(const void *source, double time, double value[static 9])
+{
+    const struct scatter_grid *grid = source;
+
+    (void)time;
+    for (int i = 0; i < 3; ++i)
+        value[i] = grid->nodes[i];
+}
+
+// Floats hold whole numbers up to 2^24 exactly.
+static void evaluate_sent(const void *source, double time, double value[static 9])
+{
+    const struct scatter_grid *grid = source;
+    double all = (double)scatter_grid_node_count(grid) * grid->job->quality.paths;
+
+    (void)time;
+    value[0] = fmin(ceil(all / (SCATTER_GRID_ROW * scatter_grid_row_count(grid))), 1 << 24);
+}
+
+void scatter_grid_add_sent(struct frame_uniforms *uniforms, const struct scatter_grid *grid)
+{
+    struct frame_value value = {.type = FRAME_VALUE_FLOAT,
+                                .origin = FRAME_VALUE_OF_PLAN,
+                                .evaluate = evaluate_sent,
+                                .source = grid,
+                                .min = value_range_not_negative.min,
+                                .max = value_range_not_negative.max,
+                                .meaning = "quality.paths"};
+
+    frame_uniforms_add(uniforms, value, "scatter_grid_sent");
+    value.type = FRAME_VALUE_VEC3;
+    value.evaluate = evaluate_nodes;
+    value.meaning = "quality.scatter_grid";
+    frame_uniforms_add(uniforms, value, "scatter_grid_nodes");
 }

@@ -8,6 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum { SCATTER_GRID_ROW = 64 };
+
+struct error;
 struct job;
 struct scene_inputs;
 struct scene_model;
@@ -25,6 +28,10 @@ struct scatter_grid {
     size_t group_count;
     int nodes[3];  // along the world's axes, those of one group
     double cell_m; // the longest side of a cell when the frame begins
+    // Particles from the lights fill it, else walks from the nodes. Where the job leaves it open and no medium emits,
+    // they do for spheres, images of domes, and lamps that come into the box.
+    bool is_from_lights;
+    bool is_rgb;
     bool is_still; // the box that holds the media does not move
 };
 
@@ -40,5 +47,13 @@ struct scatter_grid_box scatter_grid_place(const struct scatter_grid *grid, doub
 // Adds scatter_grid_low and scatter_grid_size, for programs that look the grid up and the one that fills it. The grid
 // outlives the values.
 void scatter_grid_add_values(struct frame_uniforms *uniforms, const struct scatter_grid *grid);
+// The nodes of one set of values.
+size_t scatter_grid_node_count(const struct scatter_grid *grid);
+// Fails, naming quality.scatter_grid, where the grid and what fills it take more than 512 MiB.
+bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error);
+// How many invocations send the particles that fill a grid, in rows of SCATTER_GRID_ROW.
+int scatter_grid_row_count(const struct scatter_grid *grid);
+// Adds scatter_grid_nodes, the number along each axis, and scatter_grid_sent, the particles of an invocation.
+void scatter_grid_add_sent(struct frame_uniforms *uniforms, const struct scatter_grid *grid);
 // Adds scatter_grid_paths, the walks that begin at a node, for the program that fills the grid.
 void scatter_grid_add_paths(struct frame_uniforms *uniforms, const struct scatter_grid *grid);

@@ -260,6 +260,16 @@ static void add_stream(struct frame_uniforms *uniforms)
     frame_uniforms_add(uniforms, stream, "random_stream");
 }
 
+// Spheres and domes with an image are drawn at random, by a shader that may not use it.
+static bool has_random_lights(const struct scene *scene, const struct scene_features *features)
+{
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i] &&
+            (light_kind_of(&scene->lights[i])->is_sphere || light_kind_of(&scene->lights[i])->has_image))
+            return true;
+    return false;
+}
+
 // Adds whole numbers, which floats hold exactly.
 static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
 {
@@ -274,7 +284,7 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
                                        .max = value_range_any.max,
                                        .meaning = "quality.samples"};
 
-    if (features->is_walked || features->fills_grid) add_stream(uniforms);
+    if (features->is_walked || features->fills_grid || has_random_lights(&job->scene, features)) add_stream(uniforms);
     if (!features->is_random) return;
     frame_uniforms_add(uniforms, seed, "frame_seed");
     frame_uniforms_add(uniforms, sample, "sample_index");

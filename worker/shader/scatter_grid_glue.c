@@ -13,6 +13,7 @@
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/integrators.h"
 #include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scatter_send_glue.h"
 #include "worker/shader/scatter_walk_glue.h"
 #include "worker/shader/scene_glue.h"
 #include "worker/shader/scene_glue_media.h"
@@ -34,6 +35,14 @@ void scatter_grid_glue_write_lookup(FILE *out, const struct scatter_grid *grid, 
 }
 
 enum { MAJORANT_VOXELS = 4 }; // half the side of bricks of voxels, each with a majorant; they may be turned
+
+static void write_main_from_lights(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
+{
+    fputs("void main()\n{\n", out);
+    if (cache->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
+    fprintf(out, "    ivec3 at;\n    if (cache_find_invocation(at)) scatter_grid_send(at, %d);\n}\n",
+            grid->job->scene.orders);
+}
 
 static void write_main(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
 {
@@ -67,7 +76,7 @@ static void add_lights(struct shader_assembly *text, const struct scatter_grid_p
 
     scene_modules_add_lights(text, walked);
     scene_modules_add_draws(text, walked);
-    if (!walked->features.media_are_lit) {
+    if (!walked->features.media_are_lit || program->grid->is_from_lights) {
         shader_assembly_generate(text);
         scene_glue_write_lights(text->out, walked);
         return;
@@ -89,10 +98,44 @@ static void add_lights(struct shader_assembly *text, const struct scatter_grid_p
         light_grid_glue_write_lookup(text->out, &program->light_grids[i]);
 }
 
+static int channel_count(const struct scatter_grid *grid)
+{
+    return grid->is_rgb ? 3 : 1;
+}
+
 // True when none of the majorants' cells lies between points that are half a cell of the grid apart.
 static bool skips(const struct scatter_grid *grid)
 {
     return !grid->inputs || 0.5 * grid->cell_m < MAJORANT_VOXELS * scene_inputs_find_voxel(grid->inputs);
+}
+
+static void add_walks(struct shader_assembly *text, const struct scatter_grid_program *program,
+                      const struct scene_cache *cache)
+{
+    shader_assembly_generate(text);
+    scatter_walk_glue_write(text->out, program->walked, program->grid);
+    fprintf(text->out, "const bool SCATTER_GRID_SKIPS = %s;\n", skips(program->grid) ? "true" : "false");
+    shader_assembly_add(text, "scatter_grid/walk.glsl");
+    shader_assembly_generate(text);
+    write_main(text->out, program->grid, cache);
+}
+
+static void write_channels(FILE *out, const struct scatter_grid *grid)
+{
+    fprintf(out, "const int SCATTER_GRID_CHANNELS = %d;\n", channel_count(grid));
+}
+
+static void add_particles(struct shader_assembly *text, const struct scatter_grid_program *program,
+                          const struct scene_cache *cache)
+{
+    shader_assembly_add(text, "scatter_grid/sources.glsl");
+    shader_assembly_generate(text);
+    scatter_walk_glue_write_scatter(text->out, program->walked, program->grid);
+    scatter_send_glue_write(text->out, program->walked, program->grid);
+    write_channels(text->out, program->grid);
+    shader_assembly_add(text, "scatter_grid/send.glsl");
+    shader_assembly_generate(text);
+    write_main_from_lights(text->out, program->grid, cache);
 }
 
 static bool assemble(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
@@ -117,12 +160,11 @@ static bool assemble(struct scene_cache *cache, const struct scatter_grid_progra
     shader_assembly_generate(&text);
     scene_glue_write_tracking(text.out, walked);
     add_lights(&text, program);
-    shader_assembly_generate(&text);
-    scatter_walk_glue_write(text.out, walked, program->grid);
-    fprintf(text.out, "const bool SCATTER_GRID_SKIPS = %s;\n", skips(program->grid) ? "true" : "false");
-    shader_assembly_add(&text, "scatter_grid/walk.glsl");
-    shader_assembly_generate(&text);
-    write_main(text.out, program->grid, cache);
+    shader_assembly_add(&text, "scatter_grid/turns.glsl");
+    if (program->grid->is_from_lights)
+        add_particles(&text, program, cache);
+    else
+        add_walks(&text, program, cache);
     return scene_cache_end(cache, &text);
 }
 
@@ -137,18 +179,37 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
                                 .invocations = {grid->nodes[0], grid->nodes[1], layers}};
 }
 
+// Walks from the nodes: an invocation each, in a table that has strips.
+static void lay_walks(struct scene_cache *cache)
+{
+    int nodes = cache->size[0] * cache->size[1] * cache->size[2];
+
+    cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[1] = (nodes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[2] = 1;
+}
+
+// Particles: an invocation keeps four texels, and all add to the sums.
+static void lay_particles(struct scene_cache *cache, const struct scatter_grid *grid)
+{
+    cache->size[0] = cache->invocations[0] = SCATTER_GRID_ROW;
+    cache->size[1] = cache->invocations[1] = scatter_grid_row_count(grid);
+    cache->size[2] = 4;
+    cache->invocations[2] = 1;
+    cache->sum_count = 2 + 2 * (size_t)channel_count(grid) * grid->group_count * scatter_grid_node_count(grid);
+}
+
 static bool make_means(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
                        struct error *error)
 {
     const struct scatter_grid *grid = program->grid;
     const struct scene_model *walked = program->walked;
-    int nodes;
 
     *cache = cache_of(grid);
-    nodes = cache->size[0] * cache->size[1] * cache->size[2];
-    cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
-    cache->invocations[1] = (nodes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
-    cache->invocations[2] = 1;
+    if (grid->is_from_lights)
+        lay_particles(cache, grid);
+    else
+        lay_walks(cache);
     cache->takes_turns = cache->is_step = true;
     cache->reads = program->reads;
     snprintf(cache->name, sizeof cache->name, "scatter_means");
@@ -156,10 +217,32 @@ static bool make_means(struct scene_cache *cache, const struct scatter_grid_prog
         cache->reads_files |= walked->features.media[i].is_seen && walked->inputs && walked->inputs->media[i].source;
     scene_values_add(&cache->uniforms, walked);
     scatter_grid_add_values(&cache->uniforms, grid);
-    scatter_grid_add_paths(&cache->uniforms, grid);
+    if (grid->is_from_lights)
+        scatter_grid_add_sent(&cache->uniforms, grid);
+    else
+        scatter_grid_add_paths(&cache->uniforms, grid);
     for (size_t i = 0; i < program->light_grid_count; ++i)
         light_grid_add_values(&cache->uniforms, &program->light_grids[i], program->light_grids[i].light);
     return assemble(cache, program, shader_dir, error);
+}
+
+static void add_keep_sums(struct shader_assembly *text, const struct scene_cache *cache,
+                          const struct scatter_grid *grid)
+{
+    shader_assembly_add(text, "math/constants.glsl");
+    shader_assembly_generate(text);
+    frame_uniforms_declare(&cache->uniforms, text->out);
+    write_channels(text->out, grid);
+    shader_assembly_add(text, "scatter_grid/keep_sums.glsl");
+    shader_assembly_generate(text);
+    fprintf(text->out,
+            "layout(binding = %u) uniform sampler3D states;\nvoid main()\n{\n%s"
+            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+            "    float sent = scatter_grid_sent * float(textureSize(states, 0).x * textureSize(states, 0).y);\n"
+            "    vec3 cell = scatter_grid_size / (scatter_grid_nodes - 1.0);\n"
+            "    imageStore(cache_image, at, scatter_grid_keep(states, at, imageSize(cache_image), %zu, cell, sent));\n"
+            "}\n",
+            cache->unit, cache->uniforms.size_bytes > 0 ? "    frame_uniforms_read();\n" : "", grid->group_count);
 }
 
 static bool make_kept(struct scene_cache *cache, const struct scatter_grid *grid, const char *shader_dir,
@@ -168,8 +251,17 @@ static bool make_kept(struct scene_cache *cache, const struct scatter_grid *grid
     struct shader_assembly text;
 
     *cache = cache_of(grid);
+    cache->reads_sums = grid->is_from_lights;
     snprintf(cache->name, sizeof cache->name, "scatter_grid");
+    if (grid->is_from_lights) {
+        scatter_grid_add_values(&cache->uniforms, grid);
+        scatter_grid_add_sent(&cache->uniforms, grid);
+    }
     if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
+    if (grid->is_from_lights) {
+        add_keep_sums(&text, cache, grid);
+        return scene_cache_end(cache, &text);
+    }
     shader_assembly_add(&text, "scatter_grid/keep.glsl");
     shader_assembly_generate(&text);
     fprintf(text.out,

@@ -141,19 +141,24 @@ static void write_first(FILE *out, const struct scatter_grid *grid)
     fprintf(out, "    return medium_%zu_turned(direction, draw);\n}\n", grid->leaders[grid->group_count - 1]);
 }
 
-void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+void scatter_walk_glue_write_scatter(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
 {
     for (size_t k = 0; k < grid->medium_count; ++k) {
         size_t i = grid->media[k];
 
         write_turned(out, &model->job->scene.media[i], &model->features.media[i], i);
     }
+    write_scatter(out, model, grid);
+    fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");
+}
+
+void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+{
+    scatter_walk_glue_write_scatter(out, model, grid);
     // Media that glow without extinction have no collisions.
     fprintf(out, "const float WALK_SAMPLES = %s;\n", model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
     write_emission(out, model);
     write_lit(out, model);
     write_sky(out, model);
-    write_scatter(out, model, grid);
     write_first(out, grid);
-    fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");
 }

@@ -351,6 +351,7 @@ static struct scene_model walked_model(struct scene_program *program)
 {
     static const int walk_cells = 48;
     struct scene_model model;
+    bool is_from_lights = program->scatter_grid->is_from_lights;
     struct job *job = program->walked = xmalloc(sizeof *program->walked);
     size_t marched = 0;
 
@@ -365,14 +366,25 @@ static struct scene_model walked_model(struct scene_program *program)
     model.features.is_rgb = program->model.features.is_rgb;
     for (size_t i = 0; i < model.features.medium_count; ++i)
         marched += medium_features_march_to_lights(&model.features.media[i]);
-    model.features.has_light_grids = model.features.marches_to_lights && marched <= JOB_CACHED_MEDIUM_LIMIT;
-    model.features.estimates_columns = model.features.marches_to_lights && !model.features.has_light_grids;
+    model.features.has_light_grids =
+        !is_from_lights && model.features.marches_to_lights && marched <= JOB_CACHED_MEDIUM_LIMIT;
+    model.features.estimates_columns =
+        !is_from_lights && model.features.marches_to_lights && !model.features.has_light_grids;
     model.features.has_samples = model.features.is_random = model.features.has_background = false;
     model.features.has_depth = model.features.has_transmittance = false;
     return model;
 }
 
-// Adds the grid of scattered light, which is filled by walks through a model of their own.
+// Fails for what the grid does not hold.
+static bool check_scattered(const struct scene_program *program, struct error *error)
+{
+    if (!scatter_grid_check_size(program->scatter_grid, error)) return false;
+    if (!program->scatter_grid->is_from_lights || !program->model.features.has_emission) return true;
+    error_set(error, "quality.scatter_from: expected \"nodes\", since media emit light");
+    return false;
+}
+
+// Adds the grid of scattered light, which is filled through a model of its own.
 static bool add_scattered(struct scene_program *program, const char *shader_dir, struct error *error)
 {
     size_t own = program->cache_count, filled;
@@ -383,9 +395,12 @@ static bool add_scattered(struct scene_program *program, const char *shader_dir,
         error_set(error, "quality.scatter_grid: expected media that end, by bounds or by their grid's box");
         return false;
     }
+    if (!check_scattered(program, error)) return false;
     scatter_grid_add_values(&program->uniforms, program->scatter_grid);
     program->walked_model = walked_model(program);
-    if (program->light_grid_count == 0 && !add_grids(program, &program->walked_model, shader_dir, error)) return false;
+    if (program->light_grid_count == 0 && !program->scatter_grid->is_from_lights &&
+        !add_grids(program, &program->walked_model, shader_dir, error))
+        return false;
     filled = program->cache_count;
     if (!scatter_grid_glue_add_caches(program->caches, &program->cache_count,
                                       &(struct scatter_grid_program){.grid = program->scatter_grid,

@@ -32,7 +32,8 @@ struct gl_caches {
     const struct gl_functions *gl; // borrowed; outlives us
     struct gl_programs *programs;  // borrowed; outlives us
     unsigned uniform_buffer, turns_buffer;
-    struct lru lru; // keyed by the hash of all that the values depend on; a moment is one binding
+    unsigned sums_buffer; // of the cache that was filled last, if it has sums
+    struct lru lru;       // keyed by the hash of all that the values depend on; a moment is one binding
     unsigned textures[KEPT_LIMIT];
     int64_t fill_count;
 };
@@ -47,6 +48,12 @@ struct gl_caches *gl_caches_create(const struct gl_functions *gl, struct gl_prog
     gl->CreateBuffers(1, &caches->uniform_buffer);
     gl->CreateBuffers(1, &caches->turns_buffer);
     return caches;
+}
+
+static void drop_sums(struct gl_caches *caches)
+{
+    if (caches->sums_buffer) caches->gl->DeleteBuffers(1, &caches->sums_buffer);
+    caches->sums_buffer = 0;
 }
 
 static void drop(void *user, int index)
@@ -67,6 +74,7 @@ void gl_caches_destroy(struct gl_caches *caches)
     gl_caches_clear(caches);
     caches->gl->DeleteBuffers(1, &caches->uniform_buffer);
     caches->gl->DeleteBuffers(1, &caches->turns_buffer);
+    drop_sums(caches);
     free(caches);
 }
 
@@ -188,6 +196,26 @@ static bool run_strips(const struct gl_caches *caches, struct kept_program *prog
     return true;
 }
 
+// Makes the sums of a cache anew.
+static bool begin_sums(struct gl_caches *caches, const struct scene_cache *cache, struct error *error)
+{
+    const struct gl_functions *gl = caches->gl;
+
+    if (cache->reads_sums) return true;
+    drop_sums(caches);
+    if (cache->sum_count == 0) return true;
+    gl->CreateBuffers(1, &caches->sums_buffer);
+    gl->NamedBufferStorage(caches->sums_buffer, (GLsizeiptr)(cache->sum_count * sizeof(uint32_t)), NULL, 0);
+    if (gl->GetError() == GL_OUT_OF_MEMORY) {
+        error_set(error, "GL here has no room for %zu sums of a grid", cache->sum_count);
+        drop_sums(caches);
+        return false;
+    }
+    gl->ClearNamedBufferData(caches->sums_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, caches->sums_buffer);
+    return true;
+}
+
 static bool fill(struct gl_caches *caches, struct kept_program *program, const struct gl_caches_request *request,
                  size_t i, unsigned texture)
 {
@@ -203,7 +231,7 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
     gl->BindImageTexture(0, texture, 0, GL_TRUE, 0, cache->takes_turns ? GL_READ_WRITE : GL_WRITE_ONLY,
                          internal_formats[cache->format]);
     if (!run_strips(caches, program, cache, request)) return false;
-    gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
     caches->fill_count++;
     return true;
 }
@@ -235,7 +263,8 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
 
     if (!program || !check_memory(request, error)) return GL_CACHES_REFUSED;
     *index = lru_make_room(&caches->lru, size_bytes, drop, caches);
-    if (!make_texture(caches->gl, cache, &texture, error)) return GL_CACHES_REFUSED;
+    if (!begin_sums(caches, cache, error) || !make_texture(caches->gl, cache, &texture, error))
+        return GL_CACHES_REFUSED;
     if (!fill(caches, program, request, i, texture)) {
         caches->gl->DeleteTextures(1, &texture);
         return GL_CACHES_STOPPED;
@@ -304,6 +333,7 @@ enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_cach
         (void)lru_find(&caches->lru, keys[i]);
     }
     end = bind_wanted(caches, request, keys, error);
+    drop_sums(caches);
     drop_steps(caches, request, keys);
     return end;
 }

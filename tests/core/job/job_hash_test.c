@@ -334,6 +334,10 @@ static void orders_lights_and_random_paths_count(void **state)
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64}"},
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":17,\"paths\":64}"},
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":63}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64,"
+                    "\"scatter_from\":\"lights\"}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64,"
+                    "\"scatter_from\":\"nodes\"}"},
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1}"},
         {"lights[0].inner.start", "11"},
         {"lights[0].outer.keys[1][1]", "41"},

@@ -180,6 +180,13 @@ static void scatter_grids_are_read(void **state)
     assert_true(quality.scatter_grid == 256 && quality.paths == 8);
     quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4}");
     assert_true(quality.scatter_grid == 4 && quality.paths == JOB_PATH_DEFAULT);
+    assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_ANY);
+    quality = read_quality(
+        "{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4,\"scatter_from\":\"lights\"}");
+    assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_LIGHTS);
+    quality = read_quality(
+        "{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4,\"scatter_from\":\"nodes\"}");
+    assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_NODES);
     quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16}");
     assert_true(quality.scatter_grid == 0 && quality.paths == 0);
 }
@@ -204,6 +211,10 @@ static void wrong_random_paths_are_refused_by_place(void **state)
                             "quality.scatter_grid: expected an integer from 4 to 256, got 257");
     job_expect_edit_refused(text, "quality.paths", "0", "quality.paths: expected an integer from 1 to 1048576, got 0");
     job_expect_edit_refused(job_text_noise, "quality.paths", "4", "quality.paths: only beside scatter_grid");
+    job_expect_edit_refused(job_text_noise, "quality.scatter_from", "\"nodes\"",
+                            "quality.scatter_from: only beside scatter_grid");
+    job_expect_edit_refused(text, "quality.scatter_from", "\"sun\"",
+                            "quality.scatter_from: expected one of \"lights\",\"nodes\", got \"sun\"");
     job_expect_edit_refused(job_text_noise, "quality", "{\"paths\":4}",
                             "quality.paths: only beside a method; without one, the planner chooses it");
     free(text);
@@ -277,7 +288,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
         {"quality.points", "3",
          "quality: unknown key \"points\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
+         "max_depth, "
          "min_throughput, max_cut"},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
         {"quality.light_step_voxels", "1",
@@ -299,11 +311,13 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
         {"quality.tolerance", "0.1",
          "quality: unknown key \"tolerance\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
+         "max_depth, "
          "min_throughput, max_cut"},
         {"quality.on_miss", "\"publish\"",
          "quality: unknown key \"on_miss\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, paths, roulette, pixels, samples, max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
+         "max_depth, "
          "min_throughput, max_cut"},
         {"quality", "{\"on_miss\":\"keep\"}", "quality.on_miss: expected one of \"fail\",\"publish\", got \"keep\""},
         {"quality", "{\"tolerance\":5}",

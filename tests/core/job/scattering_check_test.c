@@ -18,6 +18,7 @@
 #include <cmocka.h>
 
 #define LAMP "{\"kind\":\"point\",\"intensity\":1,\"position\":[0,3,0]}"
+#define SPHERE "{\"kind\":\"sphere\",\"intensity\":1,\"position\":[0,3,0],\"radius\":1}"
 #define DOME "{\"kind\":\"dome\",\"radiance\":1}"
 #define BALL(coefficients)                                                                                             \
     "{\"density\":{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}," coefficients "}"
@@ -224,9 +225,18 @@ static void marches_go_to_no_light_of_many_directions(void **state)
     static const char ball[] = MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
                                      "\"sphere\",\"radius\":1}},\"sigma_s\":1}");
     static const char quality[] = "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8}";
+    static const char nodes[] =
+        "lights[0].kind: not rendered yet by this method: only paths, or a scatter_grid from the "
+        "lights, show it";
+    static const char glowing[] = TWO MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                                            "\"sphere\",\"radius\":1}},\"sigma_s\":1,\"emission\":1}");
     char *scene = xasprintf("%s%s", TWO, ball);
 
     assert_taken(DOME, scene, quality);
+    assert_taken(SPHERE, scene, quality);
+    assert_refused(SPHERE, scene,
+                   "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8,\"scatter_from\":\"nodes\"}", nodes);
+    assert_refused(SPHERE, glowing, quality, nodes);
     assert_refused(DOME ",{\"kind\":\"sun\",\"intensity\":1,\"direction\":[1,0,0]}", scene, quality,
                    "quality.light_step: expected a number of metres, as light marches through media, got nothing");
     free(scene);
