@@ -6,8 +6,10 @@ vec3 scatter_sum_at(ivec3 at, ivec3 size)
 {
     int first = 2 + 2 * SCATTER_GRID_CHANNELS * (at.x + size.x * (at.y + size.y * at.z));
     vec3 sum = vec3(0.0);
-    for (int channel = 0; channel < SCATTER_GRID_CHANNELS; ++channel)
-        sum[channel] = float(cache_sums[first + 2 * channel]) + 4294967296.0 * float(cache_sums[first + 2 * channel + 1]);
+    for (int channel = 0; channel < SCATTER_GRID_CHANNELS; ++channel) {
+        int low = first + 2 * channel;
+        sum[channel] = float(cache_sums[low]) + 4294967296.0 * float(cache_sums[low + 1]);
+    }
     return SCATTER_GRID_CHANNELS == 1 ? sum.rrr : sum;
 }
 
