@@ -246,7 +246,7 @@ static struct point measure(const struct row *row, double value, const struct me
         find_light(&job, done, row->exactness, &shown[done].light);
     }
     if (point.is_refused)
-        snprintf(point.reason, sizeof point.reason, "%s", error.message);
+        snprintf(point.reason, sizeof point.reason, "%.300s", error.message);
     else
         point.error = find_error(frames > 1 ? &shown[0] : NULL, &shown[frames - 1]);
     while (done-- > 0)
