@@ -61,7 +61,7 @@ END
         below docs "$1/share/doc/marchd/docs"
         below deploy/grafana "$1/share/marchd/grafana"
         below deploy/prometheus "$1/share/marchd/prometheus"
-        below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/textures/draw_[a-z]*$'
+        below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/cumulus/grow$|/textures/draw_[a-z]*$'
         for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
             case "$page" in */march-worker.8 | */march-web.*) continue ;; esac
             [ ! -f "$page" ] || echo "$1/share/man/man${page##*.}/${page##*/}"
