@@ -22,7 +22,7 @@
 enum { PIXELS = 16 * 12 }; // of each frame
 
 // Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
-static const double SHARE = 0.65, FIRST_SHARE = 0.7;
+static const double SHARE = 0.65, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
 static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;

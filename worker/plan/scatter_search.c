@@ -25,9 +25,13 @@ struct walk {
     struct scatter_finding finding;
     double cost, traced; // of the finding; by all measurements
     double least;        // the least square that was met
-    // The finest grid whose cells alone were too much, and the noise of one path at the last one; 0 cells: none yet.
+    bool is_dear;        // no grid was found cheaply
+    // The finest grid whose cells alone were too much; 0 cells: none yet.
     int coarse_rung;
-    double coarse_cells, noise;
+    double coarse_cells;
+    // The noise of one path of each node, times the number of cells along a side, as pixels see nodes along a ray: the
+    // largest of all grids that were tried.
+    double noise;
 };
 
 static double nodes_of(const struct walk *walk, int grid_rung)
@@ -50,16 +54,15 @@ static bool has_found_grid(const struct walk *walk)
     return walk->finding.is_found && walk->finding.grid_rung != SCATTER_PIXELS;
 }
 
-// True while a measurement with so many paths is affordable. Where only many paths of pixels keep the target, a share
-// of what a frame of them takes is spent on finding a grid.
+// True while a measurement with so many paths is affordable. Where a frame takes many paths by all that is known, a
+// share of them is spent on finding something cheaper.
 static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
 {
     static const double SHARE_OF_FRAME = 0.25;
     double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
     double most = walk->search->path_max, paths = nodes * exp2(path_rung);
 
-    if (walk->finding.grid_rung == SCATTER_PIXELS && isfinite(walk->cost))
-        most = fmax(most, SHARE_OF_FRAME * walk->cost);
+    if (walk->is_dear && isfinite(walk->cost)) most = fmax(most, SHARE_OF_FRAME * walk->cost);
     if (path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
     return grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }
@@ -97,6 +100,19 @@ static struct parts split(double coarse, double fine, int rungs, bool is_of_pixe
     return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0)};
 }
 
+// The noise of a grid as other grids tell it; 0 before they do.
+static double expect_noise(const struct walk *walk, int grid_rung, int path_rung)
+{
+    return walk->noise / scatter_grid_cells[grid_rung] * exp2(-path_rung);
+}
+
+// Two measurements of a grid may agree by chance, which looks like the error of its cells: what is noise by others is
+// not theirs.
+static double cells_of(const struct parts *parts, double fine, double expected)
+{
+    return fmax(fine - fmax(parts->noise, expected), 0.0);
+}
+
 // By how many rungs paths leave no more than `allowed` of the noise.
 static int find_rungs(double noise, double allowed, int path_rung)
 {
@@ -114,12 +130,11 @@ static double least_cells(const struct walk *walk, int grid_rung)
     return ratio < 1.0 ? walk->coarse_cells * pow(ratio, STEEPEST) : 0.0;
 }
 
-static void note_grid(struct walk *walk, int grid_rung, int path_rung, struct parts *parts)
+static void note_grid(struct walk *walk, int grid_rung, int path_rung, const struct parts *parts)
 {
     double wanted = walk->search->target * walk->search->target;
 
-    parts->cells = fmax(parts->cells, least_cells(walk, grid_rung));
-    walk->noise = parts->noise * exp2(path_rung);
+    walk->noise = fmax(walk->noise, parts->noise * exp2(path_rung) * scatter_grid_cells[grid_rung]);
     if (parts->cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = grid_rung;
     walk->coarse_cells = parts->cells / (1.0 - NOISE_LEAST);
@@ -132,11 +147,12 @@ static void guess_grid(struct walk *walk, int rung)
 
     for (; walk->coarse_cells > 0.0 && rung < SCATTER_GRID_RUNGS; rung++) {
         double cells = least_cells(walk, rung);
+        double noise = expect_noise(walk, rung, 0);
         int paths;
 
         if (cells > CELLS_SHARE * wanted) continue;
-        paths = find_rungs(walk->noise, wanted - cells, 0);
-        keep(walk, rung, paths, cells + walk->noise * exp2(-paths));
+        paths = find_rungs(noise, wanted - cells, 0);
+        keep(walk, rung, paths, cells + noise * exp2(-paths));
         return;
     }
 }
@@ -161,6 +177,7 @@ static bool try_grid(struct walk *walk, int grid_rung, int path_rung, struct par
         path_rung += 2;
         *parts = split(coarse, fine, path_rung - first, grid_rung == SCATTER_PIXELS);
         if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
+        parts->cells = cells_of(parts, fine, expect_noise(walk, grid_rung, path_rung));
     }
     if (isinf(parts->noise)) return true;
     if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, parts);
@@ -192,7 +209,7 @@ static bool try_finer(struct walk *walk, int *rung)
 
         if (!try_grid(walk, tried, PATHS_FIRST, &parts)) return false;
         *rung += find_finer(walk, &parts, tried);
-        if (has_found_grid(walk) && walk->finding.grid_rung != tried) break;
+        if (has_found_grid(walk) && walk->finding.grid_rung < tried) break;
     }
     return true;
 }
@@ -218,10 +235,11 @@ static bool try_all(struct walk *walk)
     // Pixels cannot need fewer paths than one each.
     if (!has_found_grid(walk) || walk->cost > walk->search->pixels)
         if (!try_grid(walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST, &parts)) return false;
-    if (walk->search->has_grid && !has_found_grid(walk) && !try_finer(walk, &rung)) return false;
+    if (!walk->search->has_grid) return true;
     if (has_found_grid(walk)) return try_coarser(walk);
     guess_grid(walk, rung);
-    return true;
+    walk->is_dear = true;
+    return try_finer(walk, &rung);
 }
 
 struct scatter_finding scatter_search_run(const struct scatter_search *search)

@@ -16,11 +16,24 @@ static const double PIXELS = 160.0 * 120.0;
 struct terrain {
     double cells, noise, pixel_noise;
     double chance; // of the square, in what the picture is compared with: added to one measurement, taken from the next
+    unsigned luck; // 0: none; else the noise of each measurement is off by some half
     int stop_after; // measurements; 0: never
     int measured;
     double traced;
     int most_of_few; // the largest rung of paths of at most 16 cells
 };
+
+// A factor of 0.5 to 1.7 or so, 1 in the mean: the mean of four exponential numbers.
+static double draw_luck(struct terrain *terrain)
+{
+    double sum = 0.0;
+
+    for (int i = 0; i < 4; i++) {
+        terrain->luck = terrain->luck * 1664525u + 1013904223u;
+        sum -= log((terrain->luck >> 8) / 16777216.0 + 1e-9);
+    }
+    return sum / 4.0;
+}
 
 static double square_of(const struct terrain *terrain, int grid_rung, int path_rung)
 {
@@ -38,7 +51,13 @@ static bool measure(void *user, int grid_rung, int path_rung, double *square)
     if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= 16 && path_rung > terrain->most_of_few)
         terrain->most_of_few = path_rung;
     terrain->traced += (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
-    *square = square_of(terrain, grid_rung, path_rung) + (terrain->measured % 2 ? -1 : 1) * terrain->chance;
+    *square = square_of(terrain, grid_rung, path_rung);
+    if (terrain->luck > 0) {
+        double cells = square_of(terrain, grid_rung, 60);
+
+        *square = cells + (*square - cells) * draw_luck(terrain);
+    }
+    *square += (terrain->measured % 2 ? -1 : 1) * terrain->chance;
     return ++terrain->measured != terrain->stop_after;
 }
 
@@ -132,6 +151,31 @@ static void a_grid_too_fine_to_be_tried_is_found_by_coarser_ones(void **state)
     (void)state;
 }
 
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+// A frame's own noise is off its mean by a half or so: that is not taken for the error of cells.
+static void noise_that_is_large_by_chance_makes_no_cell_finer(void **state)
+{
+    enum { TRIALS = 101 };
+    double costs[TRIALS], least;
+
+    for (unsigned i = 0; i < TRIALS; i++) {
+        struct terrain terrain = {.cells = 0.5, .noise = 1.4, .pixel_noise = 1.3, .luck = i + 1};
+        struct scatter_finding found = search_within(&terrain, 0.0065, true, 6e6);
+
+        costs[i] = cost_of(found.grid_rung, found.path_rung);
+    }
+    qsort(costs, TRIALS, sizeof *costs, by_size);
+    least = find_least_cost(&(struct terrain){.cells = 0.5, .noise = 1.4, .pixel_noise = 1.3}, 0.0065);
+    assert_true(costs[TRIALS / 2] <= 1.2 * least);
+    (void)state;
+}
+
 // Where cells are too large, more paths of their nodes would tell nothing: what may be traced is left for finer ones.
 static void paths_are_not_spent_on_cells_that_are_too_large(void **state)
 {
@@ -181,6 +225,7 @@ int main(void)
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
         cmocka_unit_test(a_grid_too_fine_to_be_tried_is_found_by_coarser_ones),
+        cmocka_unit_test(noise_that_is_large_by_chance_makes_no_cell_finer),
         cmocka_unit_test(paths_are_not_spent_on_cells_that_are_too_large),
         cmocka_unit_test(a_search_costs_what_a_frame_allows),
         cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
