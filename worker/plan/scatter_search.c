@@ -7,6 +7,7 @@ const int scatter_grid_cells[SCATTER_GRID_RUNGS] = {4, 6, 8, 11, 16, 22, 32, 45,
 
 enum {
     GRID_FIRST = 4,       // 16 cells
+    GRID_GUESSED = 10,    // 128 cells: no finer grid is chosen untried, since it may take too much memory
     PATHS_FIRST = 4,      // 16 paths of each node,
     PIXEL_PATHS_FIRST = 7 // and 128 of each pixel
 };
@@ -84,6 +85,7 @@ static void keep(struct walk *walk, int grid_rung, int path_rung, double square)
 // The parts of a squared error that paths leave, and that the grid's cells do.
 struct parts {
     double noise, cells;
+    double fallen; // the noise by the measurements' difference alone
 };
 
 // `coarse` was measured with so many rungs of paths fewer than `fine`: the more, the less does chance in what they are
@@ -91,13 +93,14 @@ struct parts {
 static struct parts split(double coarse, double fine, int rungs, bool is_of_pixels)
 {
     static const double LEAST_OF_PIXELS = 0.5;
-    double noise = fmax((coarse - fine) / (exp2(rungs) - 1.0), NOISE_LEAST * fmax(fine, 0.0));
+    double fallen = fmax((coarse - fine) / (exp2(rungs) - 1.0), 0.0);
+    double noise = fmax(fallen, NOISE_LEAST * fmax(fine, 0.0));
 
     if (is_of_pixels) { // by the mean variance of all paths that were traced
         noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
         return (struct parts){.noise = fmax(noise, LEAST_OF_PIXELS * coarse * exp2(-rungs))};
     }
-    return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0)};
+    return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0), .fallen = fallen};
 }
 
 // The noise of a grid as other grids tell it; 0 before they do.
@@ -134,7 +137,7 @@ static void note_grid(struct walk *walk, int grid_rung, int path_rung, const str
 {
     double wanted = walk->search->target * walk->search->target;
 
-    walk->noise = fmax(walk->noise, parts->noise * exp2(path_rung) * scatter_grid_cells[grid_rung]);
+    walk->noise = fmax(walk->noise, parts->fallen * exp2(path_rung) * scatter_grid_cells[grid_rung]);
     if (parts->cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = grid_rung;
     walk->coarse_cells = parts->cells / (1.0 - NOISE_LEAST);
@@ -145,7 +148,7 @@ static void guess_grid(struct walk *walk, int rung)
 {
     double wanted = walk->search->target * walk->search->target;
 
-    for (; walk->coarse_cells > 0.0 && rung < SCATTER_GRID_RUNGS; rung++) {
+    for (; walk->coarse_cells > 0.0 && rung <= GRID_GUESSED; rung++) {
         double cells = least_cells(walk, rung);
         double noise = expect_noise(walk, rung, 0);
         int paths;

@@ -20,6 +20,7 @@ struct terrain {
     int stop_after; // measurements; 0: never
     int measured;
     double traced;
+    int finest;      // that was measured
     int most_of_few; // the largest rung of paths of at most 16 cells
 };
 
@@ -50,6 +51,7 @@ static bool measure(void *user, int grid_rung, int path_rung, double *square)
 
     if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= 16 && path_rung > terrain->most_of_few)
         terrain->most_of_few = path_rung;
+    if (grid_rung > terrain->finest) terrain->finest = grid_rung;
     terrain->traced += (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
     *square = square_of(terrain, grid_rung, path_rung);
     if (terrain->luck > 0) {
@@ -201,6 +203,19 @@ static void a_search_costs_what_a_frame_allows(void **state)
     (void)state;
 }
 
+static void no_grid_beyond_128_cells_is_chosen_untried(void **state)
+{
+    for (double cells = 20.0; cells < 400.0; cells *= 1.5) {
+        struct terrain thick = {.cells = cells, .noise = 0.01, .pixel_noise = 1e4};
+        struct scatter_finding found = search_within(&thick, 0.01, true, 6e6);
+
+        assert_true(!found.is_found || square_of(&thick, found.grid_rung, found.path_rung) <= 1.2 * 0.01 * 0.01);
+        assert_true(found.grid_rung < 0 || scatter_grid_cells[found.grid_rung] <= 128 ||
+                    found.grid_rung <= thick.finest);
+    }
+    (void)state;
+}
+
 static void the_nearest_is_kept_where_nothing_suffices(void **state)
 {
     struct terrain noisy = {.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
@@ -228,6 +243,7 @@ int main(void)
         cmocka_unit_test(noise_that_is_large_by_chance_makes_no_cell_finer),
         cmocka_unit_test(paths_are_not_spent_on_cells_that_are_too_large),
         cmocka_unit_test(a_search_costs_what_a_frame_allows),
+        cmocka_unit_test(no_grid_beyond_128_cells_is_chosen_untried),
         cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
         cmocka_unit_test(a_search_ends_where_it_is_stopped),
     };
