@@ -137,6 +137,7 @@ own=$(ask worker.list | jq '.result.workers[0].pid')
 [ -n "$(ask_as "${bob[@]}" job.submit "{\"paused\":true,\"document\":$(job 1-2 '.output.path = "ann/bob/f.####.exr"')}" | jq '.result.id // empty')" ] ||
     fail "bob may write below ann"
 wait_until "ann's worker is gone" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.pid == '"$own"')] | length")" = 0 ]'
-stop_daemon
+# A worker that is slow to leave is killed, with a warning, when the daemon stops.
 grep -q 'warning: worker' "$scratch/daemon.log" && fail "a change of users is no warning"
+stop_daemon
 exit 0
