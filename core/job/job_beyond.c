@@ -63,6 +63,12 @@ bool job_beyond_read(struct job_beyond *beyond, const struct json_node *object, 
     return false;
 }
 
+// Two digits, and all of 100.
+static int digits(double percent)
+{
+    return percent < 99.5 ? 2 : 3;
+}
+
 void job_beyond_describe(const struct job_beyond *beyond, int orders, char text[static JOB_BEYOND_TEXT_SIZE])
 {
     char modelled[64] = "single scattering leaves";
@@ -72,8 +78,9 @@ void job_beyond_describe(const struct job_beyond *beyond, int orders, char text[
     if (orders > 1) snprintf(modelled, sizeof modelled, "%d orders of scattering leave", orders);
     if (beyond->is_known)
         snprintf(text, JOB_BEYOND_TEXT_SIZE,
-                 "%s out %.2g %% of the picture's light, at most %.2g %%; scene.scattering.orders \"all\" models it",
-                 modelled, 100.0 * beyond->error, 100.0 * beyond->error95);
+                 "%s out %.*g %% of the picture's light, at most %.*g %%; scene.scattering.orders \"all\" models it",
+                 modelled, digits(100.0 * beyond->error), 100.0 * beyond->error, digits(100.0 * beyond->error95),
+                 100.0 * beyond->error95);
     else
         snprintf(text, JOB_BEYOND_TEXT_SIZE, "how much light %s out is not known: %s", modelled, beyond->why);
 }

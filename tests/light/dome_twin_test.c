@@ -68,6 +68,7 @@ static void probe(const char *body)
              "vec4 probe(int i)\n{\n    vec4 way = inputs[2 * i], more = inputs[2 * i + 1];\n%s}\n",
              IMAGE_UNIT, TABLE_UNIT, body);
     shader_probe_run(&(struct shader_probe_params){.modules = MODULES,
+                                                   .head = "const int random_stream = 0;\n",
                                                    .body = text,
                                                    .inputs = (const float(*)[4])inputs,
                                                    .input_count = 2 * COUNT,

@@ -32,7 +32,7 @@ static char *assemble(const struct shader_probe_params *params, const char *name
 
     *name_count = 0;
     names[(*name_count)++] = "probe";
-    fputs("#version 450 core\n", out);
+    fprintf(out, "#version 450 core\n%s", params->head ? params->head : "");
     for (size_t i = 0; params->modules[i]; i++) {
         char *module = shader_sources_load(test_shader_dir(), params->modules[i], error);
 

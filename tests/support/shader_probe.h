@@ -11,6 +11,7 @@ enum { SHADER_PROBE_INPUT_LIMIT = 1024 }; // vec4s: what every GL 4.5 takes as o
 
 struct shader_probe_params {
     const char *const *modules; // names of shader modules in the order of their use, ends in NULL
+    const char *head;           // GLSL that the modules suppose; NULL: none
     // GLSL that defines `vec4 probe(int index)` and reads `inputs[]`.
     const char *body;
     const float (*inputs)[4];

@@ -33,6 +33,9 @@ static void a_sentence_says_it(void **state)
     assert_describes(&MEASURED, 3,
                      "3 orders of scattering leave out 65 % of the picture's light, at most 68 %; "
                      "scene.scattering.orders \"all\" models it");
+    assert_describes(&(struct job_beyond){.is_known = true, .error = 0.978, .error95 = 1.0}, 1,
+                     "single scattering leaves out 98 % of the picture's light, at most 100 %; "
+                     "scene.scattering.orders \"all\" models it");
     assert_describes(&unknown, 1,
                      "how much light single scattering leaves out is not known: a density has no known bound");
     assert_describes(&(struct job_beyond){0}, SCENE_ORDERS_ALL, "");
