@@ -27,6 +27,14 @@ static double angle_at(const struct light *spot, const struct ray *ray, double d
     return atan2(vec3_length(vec3_cross(away, spot->direction)), vec3_dot(away, spot->direction));
 }
 
+static struct light random_spot(struct random *random)
+{
+    return (struct light){.kind = SCENE_LIGHT_SPOT,
+                          .position = random_vector(random, 1.0),
+                          .direction = vec3_normalize(random_vector(random, 1.0)),
+                          .outer = random_between(random, 0.01, 0.5 * M_PI)};
+}
+
 // Between neighbouring ends the ray stays in the inner cone, between the two, or outside.
 static void no_cone_is_crossed_between_ends(void **state)
 {
@@ -34,10 +42,7 @@ static void no_cone_is_crossed_between_ends(void **state)
     int crossed = 0;
 
     for (int i = 0; i < 2000; i++) {
-        struct light spot = {.kind = SCENE_LIGHT_SPOT,
-                             .position = random_vector(&random, 1.0),
-                             .direction = vec3_normalize(random_vector(&random, 1.0)),
-                             .outer = random_between(&random, 0.01, 0.5 * M_PI)};
+        struct light spot = random_spot(&random);
         struct ray ray = {random_vector(&random, 1.0), vec3_normalize(random_vector(&random, 1.0))};
         struct span_list spans = {0};
 
@@ -68,10 +73,7 @@ static void a_stretch_is_clipped_to_the_cone(void **state)
     int lit = 0;
 
     for (int i = 0; i < 2000; i++) {
-        struct light spot = {.kind = SCENE_LIGHT_SPOT,
-                             .position = random_vector(&random, 1.0),
-                             .direction = vec3_normalize(random_vector(&random, 1.0)),
-                             .outer = random_between(&random, 0.01, 0.5 * M_PI)};
+        struct light spot = random_spot(&random);
         struct ray ray = {random_vector(&random, 1.0), vec3_normalize(random_vector(&random, 1.0))};
         double near = random_between(&random, -3.0, 0.0), far = random_between(&random, 0.0, 3.0);
         double begin = near, end = far;

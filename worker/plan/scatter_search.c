@@ -88,32 +88,30 @@ struct parts {
     double fallen; // the noise by the measurements' difference alone
 };
 
-// `coarse` was measured with so many rungs of paths fewer than `fine`: the more, the less does chance in what they are
-// compared with count. Paths of pixels have noise alone.
-static struct parts split(double coarse, double fine, int rungs, bool is_of_pixels)
-{
-    static const double LEAST_OF_PIXELS = 0.5;
-    double fallen = fmax((coarse - fine) / (exp2(rungs) - 1.0), 0.0);
-    double noise = fmax(fallen, NOISE_LEAST * fmax(fine, 0.0));
-
-    if (is_of_pixels) { // by the mean variance of all paths that were traced
-        noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
-        return (struct parts){.noise = fmax(noise, LEAST_OF_PIXELS * coarse * exp2(-rungs))};
-    }
-    return (struct parts){.noise = noise, .cells = fmax(fine - noise, 0.0), .fallen = fallen};
-}
-
 // The noise of a grid as other grids tell it; 0 before they do.
 static double expect_noise(const struct walk *walk, int grid_rung, int path_rung)
 {
     return walk->noise / scatter_grid_cells[grid_rung] * exp2(-path_rung);
 }
 
-// Two measurements of a grid may agree by chance, which looks like the error of its cells: what is noise by others is
-// not theirs.
-static double cells_of(const struct parts *parts, double fine, double expected)
+// `coarse` was measured with so many rungs of paths fewer than `fine`: the more, the less does chance in what they are
+// compared with count. They may agree by chance, which looks like the error of cells: what is noise by other grids,
+// `expected`, is not theirs.
+static struct parts split(double coarse, double fine, int rungs, double expected)
 {
-    return fmax(fine - fmax(parts->noise, expected), 0.0);
+    double fallen = fmax((coarse - fine) / (exp2(rungs) - 1.0), 0.0);
+    double noise = fmax(fallen, NOISE_LEAST * fmax(fine, 0.0));
+
+    return (struct parts){.noise = noise, .cells = fmax(fine - fmax(noise, expected), 0.0), .fallen = fallen};
+}
+
+// Paths of pixels have noise alone, which follows from the mean variance of all paths that were traced.
+static struct parts find_pixel_noise(double coarse, double fine, int rungs)
+{
+    static const double LEAST = 0.5;
+    double noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
+
+    return (struct parts){.noise = fmax(noise, LEAST * coarse * exp2(-rungs))};
 }
 
 // By how many rungs paths leave no more than `allowed` of the noise.
@@ -178,9 +176,11 @@ static bool try_grid(struct walk *walk, int grid_rung, int path_rung, struct par
         if (!measure(walk, grid_rung, path_rung + 2, &fine)) return false;
         if (isinf(fine)) break;
         path_rung += 2;
-        *parts = split(coarse, fine, path_rung - first, grid_rung == SCATTER_PIXELS);
-        if (grid_rung == SCATTER_PIXELS) break; // their noise is known by then
-        parts->cells = cells_of(parts, fine, expect_noise(walk, grid_rung, path_rung));
+        if (grid_rung == SCATTER_PIXELS) { // their noise is known by then
+            *parts = find_pixel_noise(coarse, fine, path_rung - first);
+            break;
+        }
+        *parts = split(coarse, fine, path_rung - first, expect_noise(walk, grid_rung, path_rung));
     }
     if (isinf(parts->noise)) return true;
     if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, parts);
