@@ -3,6 +3,7 @@
 
 #include "core/job/output_root.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -106,6 +107,7 @@ void root_look_run(struct root_look *look)
     int root_fd = look->id[0] ? open_expected(look) : open_unknown(look);
 
     look->is_there = root_fd >= 0;
+    look->is_unknown = root_fd < 0 && error_is_shortage(errno);
     if (root_fd < 0) return;
     look->place = find_place(root_fd);
     close(root_fd);

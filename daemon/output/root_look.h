@@ -17,6 +17,7 @@ struct root_look {
     size_t folder_count;          // 0: any folder is marked
     char id[ROOT_MARKER_ID_SIZE]; // in: the id that is expected; "": none is known. Out: the root's
     bool is_there, was_marked;    // results
+    bool is_unknown;              // result: the daemon lacks descriptors, and nothing is known of the root
     struct root_place place;      // result, where it is there
     struct error error;           // result, where it is not
 };

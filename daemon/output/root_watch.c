@@ -83,6 +83,7 @@ static bool take_look(struct root *root, const struct root_look *look)
 {
     bool is_new = look->is_there && !root->id[0];
 
+    if (look->is_unknown && root->is_there) return false;
     if (!look->is_there) {
         root_set_trouble(root, look->error.message);
         return false;

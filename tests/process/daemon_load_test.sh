@@ -91,6 +91,7 @@ answer 1 >/dev/null
 # The limit lies below what stays open: whatever ends meanwhile frees nothing.
 for used in 0 1 2 3; do [ -e "/proc/$daemon_pid/fd/$used" ] || fail "the daemon has no descriptor $used"; done
 prlimit --pid "$daemon_pid" --nofile=4:1024
+sleep 2 # the daemon looks after its roots every second
 say 2
 expect "who is to blame" "$(answer 2 | jq -r '[.error.code, .error.message] | join(" ")')" \
     "-32603 output root $scratch/out cannot be opened: this program may open no more than 4 files (LimitNOFILE= of its service)"

@@ -8,6 +8,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cmocka.h>
@@ -135,6 +136,23 @@ static void root_of_an_older_version_is_known_by_a_folder_of_its_jobs(void **sta
     assert_true(look.is_there && look.was_marked);
 }
 
+// A daemon that may open no file sees no root, which says nothing of the root.
+static void shortage_of_descriptors_is_not_the_root_away(void **state)
+{
+    struct root_look marked = look_at(*state, ""), look;
+    struct rlimit limit, none;
+
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+    none = limit;
+    none.rlim_cur = 3;
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    look = look_at(*state, marked.id);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
+    assert_true(!look.is_there && look.is_unknown);
+    look = look_at(temp_folder_path(state, "none"), marked.id);
+    assert_false(look.is_there || look.is_unknown);
+}
+
 // What the descriptor of a checked root opens is in that root, whatever the path leads to by then.
 static void folder_of_an_open_root_is_not_of_its_successor(void **state)
 {
@@ -167,6 +185,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(empty_marker_of_another_user_is_made_anew_in_a_folder_of_ours,
                                         temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(root_of_an_older_version_is_known_by_a_folder_of_its_jobs, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(shortage_of_descriptors_is_not_the_root_away, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(folder_of_an_open_root_is_not_of_its_successor, temp_folder_create,
                                         temp_folder_destroy),
