@@ -102,7 +102,7 @@ struct job_quality {
     int light_steps;                       // per shadow ray (riemann)
     double depth_step; // largest optical depth of a segment, by its strongest colour (adaptive; cached: 0: no limit)
     int order;         // points in a segment (gauss), [2, JOB_ORDER_LIMIT]
-    int light_grid;    // cells along each side of a light's grid (cached)
+    int light_grid;    // cells along each side of a light's grid (cached; paths: 0: none)
     int density_grid;  // cells along the longest side of the grid that a costly density is baked into (cached); 0: none
     // Cells along the longest side of the grid of scattered light (above order 1, beside a march), [4,
     // JOB_SCATTER_GRID_LIMIT]; 0: none.

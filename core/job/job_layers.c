@@ -16,7 +16,7 @@ struct job job_layers_seen(const struct job *job)
         if (job->scene.lights[i].kind == SCENE_LIGHT_DOME && job->scene.lights[i].dome.is_visible)
             seen.scene.lights[seen.scene.light_count++] = job->scene.lights[i];
     seen.quality.method = JOB_METHOD_MIDPOINT;
-    seen.quality.paths = 0;
+    seen.quality.paths = seen.quality.light_grid = 0;
     return seen;
 }
 

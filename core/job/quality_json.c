@@ -216,18 +216,30 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
 }
 
+// 0 cells are no grid.
+static bool read_own_light_grid(const struct json_node *object, int *cells, struct error *error)
+{
+    struct json_node node = json_node_child(object, "light_grid");
+    int64_t integer = 0;
+
+    if (json_node_is_absent(&node)) return true;
+    if (!json_read_integer(&node, 0, JOB_GRID_LIMIT, &integer, error)) return false;
+    *cells = (int)integer;
+    return integer == 0 || integer >= GRID_MIN || json_fail_expected(&node, error, "0 or 4 to 512 cells");
+}
+
 static bool read_random_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "paths", "samples", "pixels", "max_cut", NULL};
-    static const char *const sparse_keys[] = {"method", "paths",       "samples", "pixels",
-                                              "step",   "step_voxels", "max_cut", NULL};
+    static const char *const keys[] = {"method", "paths", "light_grid", "samples", "pixels", "max_cut", NULL};
+    static const char *const sparse_keys[] = {"method", "paths",       "light_grid", "samples", "pixels",
+                                              "step",   "step_voxels", "max_cut",    NULL};
     const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
     struct json_node pixels = json_node_child(object, "pixels"), metres = json_node_child(object, step.key);
     struct json_node voxels = json_node_child(object, step.voxels_key);
     bool has_step = !json_node_is_absent(&metres) || !json_node_is_absent(&voxels);
 
     return json_check_keys(object, json_node_is_absent(&pixels) ? keys : sparse_keys, error) &&
-           (!has_step || read_step(object, &step, error)) &&
+           (!has_step || read_step(object, &step, error)) && read_own_light_grid(object, &quality->light_grid, error) &&
            read_count(object, "paths", JOB_PATH_LIMIT, &quality->paths, error);
 }
 

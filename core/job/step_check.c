@@ -4,8 +4,8 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/json/json_read.h"
-#include "core/scene/density_rules.h"
 #include "core/scene/light_rules.h"
+#include "core/scene/scene_diameter.h"
 #include "core/scene/scene_nodes.h"
 
 #include <math.h>
@@ -19,66 +19,14 @@ struct check {
     struct error *error;
 };
 
-static double bounds_diameter(const struct scene_bounds *bounds, struct timeline_span span)
-{
-    double min[3], size[3];
-
-    switch (bounds->kind) {
-    case SCENE_BOUNDS_SPHERE:
-        return 2.0 * timeline_find_largest(&bounds->radius, span);
-    case SCENE_BOUNDS_BOX:
-        timeline_find_bounds(&bounds->size, span, min, size);
-        return hypot(hypot(size[0], size[1]), size[2]);
-    case SCENE_BOUNDS_NONE:
-    case SCENE_BOUNDS_SLAB:
-        break;
-    }
-    return INFINITY;
-}
-
-static double shape_diameter(const struct scene_shape *shape, struct timeline_span span)
-{
-    double min[3], size[3];
-
-    switch (shape->kind) {
-    case SCENE_SHAPE_SPHERE:
-        return 2.0 * timeline_find_largest(&shape->radius, span);
-    case SCENE_SHAPE_BOX:
-        timeline_find_bounds(&shape->size, span, min, size);
-        return hypot(hypot(size[0], size[1]), size[2]);
-    case SCENE_SHAPE_PLANE:
-        break;
-    }
-    return INFINITY;
-}
-
-// No straight line inside an object is longer, m: it leaves each convex shape once.
-static double object_diameter(const struct scene *scene, const struct scene_object *object, struct timeline_span span)
-{
-    double sum = 0.0;
-
-    for (size_t i = 0; i < object->shape_count; i++)
-        sum += shape_diameter(&scene->shapes[object->first_shape + i], span);
-    return sum;
-}
-
-// The longest straight line through what a density fills, m; of a grid: through its bounds.
-static double density_diameter(const struct scene_density *density, struct timeline_span span)
-{
-    const struct density_rules *rules = density_rules_of(density);
-    double bounds = bounds_diameter(&density->bounds, span);
-
-    return rules->find_diameter ? fmin(bounds, rules->find_diameter(density, span)) : bounds;
-}
-
 // The longest straight line through a medium, m.
 static double medium_diameter(const struct check *check, const struct scene_medium *medium)
 {
     const struct scene *scene = &check->job->scene;
-    double diameter = density_diameter(&medium->density, check->span);
+    double diameter = scene_diameter_of_density(&medium->density, check->span);
 
     if (medium->owner == 0) return diameter;
-    return fmin(diameter, object_diameter(scene, &scene->objects[medium->owner - 1], check->span));
+    return fmin(diameter, scene_diameter_of_object(scene, &scene->objects[medium->owner - 1], check->span));
 }
 
 // The path of parallel light through a slab, m.
@@ -120,7 +68,7 @@ static double shape_distance(const struct check *check, const struct scene_shape
     timeline_find_bounds(&shape->center, check->span, min, max);
     for (int i = 0; i < 3; i++)
         extent[i] = fmax(light_max[i] - min[i], max[i] - light_min[i]);
-    return hypot(hypot(extent[0], extent[1]), extent[2]) + shape_diameter(shape, check->span) / 2.0;
+    return hypot(hypot(extent[0], extent[1]), extent[2]) + scene_diameter_of_shape(shape, check->span) / 2.0;
 }
 
 // An upper bound of the distance from a point light to a surface that it lights, m. (camera.clip bounds only media.)
@@ -307,6 +255,11 @@ static bool check_no_objects(const struct check *check)
                      job_method_name(check->job->quality.method));
 }
 
+static const char *describe_light_grids(const struct job *job)
+{
+    return job->quality.method == JOB_METHOD_CACHED ? "cached" : "a light_grid";
+}
+
 // Each light has a grid around the media of varying density, with a channel for each of them.
 static bool check_light_grids(const struct check *check)
 {
@@ -314,18 +267,18 @@ static bool check_light_grids(const struct check *check)
     struct json_node method = json_node_child(check->quality, "method");
     size_t count = 0;
 
-    if (!check_no_objects(check)) return false;
     for (size_t i = 0; i < scene->medium_count && has_marched_lights(scene); i++) {
         const struct scene_density *density = &scene->media[i].density;
         struct density_nodes nodes;
 
         if (scene_density_is_even(density)) continue;
         if (++count > JOB_CACHED_MEDIUM_LIMIT)
-            return json_fail(&method, check->error, "expected at most %d media whose density varies with cached",
-                             JOB_CACHED_MEDIUM_LIMIT);
-        if (density->kind != SCENE_DENSITY_GRID && isinf(density_diameter(density, check->span)))
+            return json_fail(&method, check->error, "expected at most %d media whose density varies with %s",
+                             JOB_CACHED_MEDIUM_LIMIT, describe_light_grids(check->job));
+        if (density->kind != SCENE_DENSITY_GRID && isinf(scene_diameter_of_density(density, check->span)))
             return json_fail(find_density(check, i, &nodes), check->error,
-                             "expected bounds (a sphere or a box): with cached each light has a grid around it");
+                             "expected bounds (a sphere or a box): with %s each light has a grid around it",
+                             describe_light_grids(check->job));
     }
     return true;
 }
@@ -334,7 +287,7 @@ static bool check_cached(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
 
-    if (!check_voxels(check) || !check_light_grids(check)) return false;
+    if (!check_voxels(check) || !check_no_objects(check) || !check_light_grids(check)) return false;
     for (size_t i = 0; i < scene->medium_count; i++)
         if (scene->media[i].density.kind != SCENE_DENSITY_GRID &&
             (has_marched_lights(scene) || !media_are_even(scene)) && !check_march(check, i))
@@ -442,6 +395,19 @@ static bool check_equiangular(const struct check *check)
     return check_points(check);
 }
 
+// Random paths take no steps, but may have light grids.
+static bool check_paths(const struct check *check)
+{
+    struct json_node grid = json_node_child(check->quality, "light_grid");
+
+    if (check->job->quality.light_grid == 0) return true;
+    if (!has_marched_lights(&check->job->scene))
+        return json_fail(&grid, check->error, "only for a sun, a point or a spot: paths lead to other lights");
+    if (media_are_even(&check->job->scene))
+        return json_fail(&grid, check->error, "only where a density varies: what reaches others is known exactly");
+    return check_light_grids(check);
+}
+
 bool step_check(const struct job *job, const struct json_node *document, struct error *error)
 {
     struct json_node quality = json_node_child(document, "quality");
@@ -463,7 +429,7 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
     case JOB_METHOD_PATHS:
-        return true; // scattering_check
+        return check_paths(&check); // and scattering_check
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);

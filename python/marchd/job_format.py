@@ -771,11 +771,13 @@ class TrackingMarched(TypedDict):
 
 
 class Paths(TypedDict):
-    """Random paths of all orders of scattering, without bias: their noise is all of the error."""
+    """Random paths of all orders of scattering, without bias but for a light_grid: their noise is all of the
+    error."""
 
     method: Literal["paths"]
     # Random paths of a pixel.
     paths: int
+    light_grid: NotRequired[PathLightGrid]
     samples: NotRequired[int]
     max_cut: NotRequired[float]
 
@@ -786,6 +788,7 @@ class PathsSparse(TypedDict):
     method: Literal["paths"]
     # Random paths of a traced pixel.
     paths: int
+    light_grid: NotRequired[PathLightGrid]
     # Step of the march, m; required where density varies.
     step: NotRequired[float]
     # Step of the march.
@@ -861,6 +864,9 @@ Ior: TypeAlias = float | MovingNumber
 Material: TypeAlias = Matte | Shiny | Mirror | Dielectric
 Shape: TypeAlias = SphereShape | BoxShape | PlaneShape
 Object: TypeAlias = SphereObject | BoxObject | PlaneObject | UnionObject
+# Cells along each side of a light's grid, from which paths take the light of suns, points and spots, with an error that
+# falls with the cells; if absent or 0, flights are tracked to them.
+PathLightGrid: TypeAlias = Literal[0] | int
 # A method and its numbers, or a tolerance, or the one word draft; a tolerance of 0.01 if absent.
 Quality: TypeAlias = (
     Literal["draft"] | Auto | Riemann | Midpoint | Equiangular | Adaptive | Gauss | Cached | Tracking |
@@ -935,6 +941,7 @@ __all__ = [
     "OrbitNumbers",
     "Outer",
     "Output",
+    "PathLightGrid",
     "Paths",
     "PathsSparse",
     "Pixels",

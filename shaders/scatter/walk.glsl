@@ -88,9 +88,10 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
     float least = walk_least(end - max(media_interval(spans).x, interval.x)); // samples per metre
     for (int turn = 0; turn < (kind == WALK_ON ? WALK_TURNS : WALK_LIMIT) && walk.path < count; ++turn) {
         bool is_met = false; // the path is scattered, or the vertex near a lamp is reached
+        bool goes_near = WALK_FLIES && kind == WALK_NEAR;
         WalkVertex met;
         // Rays that share a SIMD unit wait here for one another, so that they turn together.
-        for (int flights = 0; flights < WALK_FLIGHTS && (walk.at < end || kind == WALK_NEAR); ++flights) {
+        for (int flights = 0; flights < WALK_FLIGHTS && (walk.at < end || goes_near); ++flights) {
             float rate = 0.0;
             float depth = -log(1.0 - walk_random()); // of the flight, among the majorant's particles
             for (int cells = 0; cells < WALK_CELLS && walk.at < end; ++cells) {
@@ -103,7 +104,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 walk.at = edge;
                 rate = 0.0;
             }
-            is_met = kind == WALK_NEAR && walk.at >= end;
+            is_met = goes_near && walk.at >= end;
             if (rate <= 0.0 && !is_met) continue; // of a flight that goes on, nothing is known but that
             if (!is_met) walk.at += depth / rate;
             vec3 point = walk.origin + walk.at * walk.direction;
@@ -111,7 +112,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             if (is_met) break;
             if (met.field.distance < 0.0) {
                 float was = spectrum_mean(walk.weight);
-                if (kind != WALK_ON || walk.path < 0)
+                if ((WALK_FLIES && kind != WALK_ON) || walk.path < 0)
                     walk.weight *= max(1.0 - walk_extinction(met.field) / rate, spectrum(0.0));
                 else
                     is_met = walk_meet(met.field, point, rate, walk);
@@ -139,18 +140,18 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             walk.left = met.left;
             LightSample light = LightSample(walk.direction, 0.0, spectrum(0.0));
             Spectrum lit = spectrum(0.0);
-            if (kind == WALK_NEAR) {
-                lit = walk_lamp(near.lamp, walk.origin, walk.direction, met, walk.weight, light);
+            if (goes_near) {
+                lit = walk_lamp(near.lamp, walk.origin, walk.direction, met, walk.weight, light, walk.light);
                 kind = WALK_LAMP;
             } else {
                 ++walk.order;
                 vertex = walk.origin;
                 left = walk.left;
-                lit = walk_light(vertex, walk.direction, met, walk.weight, light);
+                lit = walk_light(vertex, walk.direction, met, walk.weight, light, walk.light);
                 behind = spectrum(0.0);
                 nearby = spectrum(0.0);
                 if (walk.order < orders) {
-                    nearby = walk_near(vertex, walk.direction, met, walk.weight, near);
+                    nearby = walk_near(vertex, walk.direction, met, walk.weight, near, walk.light);
                     behind = walk_thin(walk_scatter(met, walk.direction, walk.weight, ahead), WALK_WEAK);
                 }
                 kind = WALK_LIGHT;
@@ -177,7 +178,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 begin = ray.interval;
                 behind = spectrum(1.0);
                 nearby = spectrum(0.0);
-                if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(ray, near);
+                if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(ray, near, walk.light);
             }
             bool is_near = spectrum_max(nearby) > 0.0;
             kind = is_near ? WALK_NEAR : WALK_ON;
@@ -203,10 +204,6 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         if (kind == WALK_NEAR) {
             if (interval.y < stretch.x || interval.y >= stretch.y) walk.weight = spectrum(0.0);
             end = interval.y;
-        }
-        if (kind != WALK_ON && !WALK_TRACKS) {
-            walk.weight *= walk_passed(spans, interval.y);
-            walk.at = end;
         }
     }
     walk.random = walk_random_state;

@@ -384,7 +384,10 @@ static void list_walk(const struct listing *listing)
     say(listing, true, "random paths", "%d a pixel, by free flights among upper bounds of the densities",
         listing->job->quality.paths);
     say(listing, false, "marching", "random paths take no steps");
-    if (features->has_lights)
+    if (features->has_light_grids)
+        say(listing, scene_features_count_marched(features) < scene_features_count_lights(features),
+            "tracking to lights", "lights that have a place or one direction have grids");
+    else if (features->has_lights)
         say(listing, features->tracks_to_lights, "tracking to lights", "%s",
             features->tracks_to_lights ? "transmittances are random estimates" : "columns have a closed form");
 }

@@ -132,6 +132,8 @@ static void add_tracking(struct scene_features *features, const struct job_quali
 // Paths replace marches of every kind.
 static void add_walk(struct scene_features *features, const struct job *job)
 {
+    bool has_marched = scene_features_count_marched(features) > 0;
+
     features->is_scattered = job_layers_are_two(job);
     if (features->is_scattered) features->has_background = features->dome_is_behind = false;
     if (job->quality.method != JOB_METHOD_PATHS || features->medium_count == 0) return;
@@ -145,6 +147,7 @@ static void add_walk(struct scene_features *features, const struct job *job)
         features->is_rgb |= features->objects[i].is_lit && !features->objects[i].is_grey;
     }
     features->tracks_to_lights = features->marches_to_lights;
+    features->has_light_grids = features->tracks_to_lights && has_marched && job->quality.light_grid > 0;
     features->marches = features->marches_to_lights = false;
 }
 

@@ -42,7 +42,7 @@ struct scene_features {
     bool takes_time;        // some medium's density is a function of time
     bool marches;           // camera rays march; else each stretch between edges of media is one segment
     bool marches_to_lights; // so do shadow rays; else columns have a closed form
-    bool has_light_grids;   // instead of shadow rays, each light has a grid of columns
+    bool has_light_grids;   // instead of shadow rays, each light that marches go to has a grid of columns
     bool places_points;     // light is gathered over a whole stretch, at points placed for each light
     bool is_rgb;            // something visible has a colour
     bool extinction_is_rgb; // extinction depends on the colour
@@ -66,12 +66,13 @@ struct scene_features {
     bool has_majorants;     // estimated by free flights among a majorant of each medium; else by marches
     bool estimates_columns; // the transmittance of media that vary is estimated
     bool is_walked;         // light comes by random paths of any number of scatterings, among majorants
-    bool tracks_to_lights;  // so does the transmittance from a path's vertex to a light; else it has a closed form
-    bool is_scattered;      // the picture is the layer of scattered light alone (core/job/job_layers.h)
-    bool is_sliced;         // the picture is drawn in slices: each goes as far as the driver lets loops run
-    bool is_random;         // something uses random numbers
-    bool has_scatter_grid;  // light that was scattered before comes from a grid
-    bool fills_grid;        // the program shows no picture: it fills that grid
+    // So does the transmittance from a path's vertex to a light that has no grid; else it has a closed form.
+    bool tracks_to_lights;
+    bool is_scattered;     // the picture is the layer of scattered light alone (core/job/job_layers.h)
+    bool is_sliced;        // the picture is drawn in slices: each goes as far as the driver lets loops run
+    bool is_random;        // something uses random numbers
+    bool has_scatter_grid; // light that was scattered before comes from a grid
+    bool fills_grid;       // the program shows no picture: it fills that grid
 };
 
 // `is_unneeded` (SCENE_MEDIUM_LIMIT of them; NULL: none) says which media the picture leaves out.

@@ -6,16 +6,10 @@
 
 struct scene_model;
 
-// What shaders/scatter/walk.glsl calls, after media, majorants and lights; all coefficients are per metre:
+// What shaders/scatter/walk.glsl calls beside lights, after media and majorants; all coefficients are per metre:
 //   walk_extinction(field), walk_scattering(field), walk_emission(field, point)
 //   walk_least(length)   samples per metre that a flight needs at least, where some medium is
-//   walk_light(point, incoming, field, weight, light)  samples the lights: what of the path's `weight` one of them
-//   adds, and where it is; is the transmittance of the media known, that is in it, and the light is at no distance
-//   walk_near_find()     finds how far around each lamp vertices of their own are drawn (scatter/near.glsl)
-//   walk_near(point, incoming, field, weight, near), walk_near_start(ray, near)  draw one; return the weight of the
-//   flight there, 0 where there is none
-//   walk_lamp(lamp, point, incoming, field, weight, light)  as walk_light, for the vertex near a lamp
-//   walk_passed(spans, distance)  the media's transmittance, where WALK_TRACKS is false
+//   walk_scattered(vertex, incoming, outgoing)  what is scattered from one direction to another
 //   walk_scatter(field, incoming, weight, outgoing)  draws a direction; returns the weight behind
 // and how many flights a turn of its loop takes at most, how many cells of the majorant a flight goes through, and how
 // many turns there are before it is to be continued, so that software GL cuts no loop:

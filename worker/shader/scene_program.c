@@ -25,6 +25,7 @@
 #include "worker/shader/scene_glue_surface.h"
 #include "worker/shader/scene_glue_tracking.h"
 #include "worker/shader/scene_glue_walk.h"
+#include "worker/shader/scene_glue_walk_light.h"
 #include "worker/shader/scene_modules.h"
 #include "worker/shader/texture_glue.h"
 
@@ -147,6 +148,7 @@ static void add_lights(struct assembly *assembly)
     if (features->has_extinction && !features->is_tracked && !features->is_walked)
         add_module(assembly, integrator_to_lights(assembly->model)->module);
     scene_glue_write_lights(generate(assembly), assembly->model);
+    if (features->has_light_grids && features->is_walked) add_module(assembly, "transmittance/cached.glsl");
     if (features->has_light_grids) add_light_grids(assembly);
     if (features->has_objects && !features->is_walked) scene_glue_write_shadow(assembly->text.out, assembly->model);
 }
@@ -179,6 +181,7 @@ static void add_walk(struct assembly *assembly)
     if (model->features.has_objects) scene_glue_write_albedo(generate(assembly), model);
     add_module(assembly, model->features.has_objects ? "scatter/vertex_surfaces.glsl" : "scatter/vertex_media.glsl");
     scene_glue_write_walk(generate(assembly), model);
+    scene_glue_write_walk_lights(assembly->text.out, model);
     scene_glue_write_walk_start(assembly->text.out);
     add_module(assembly, "scatter/walk.glsl");
 }

@@ -168,6 +168,17 @@ static void paths_of_a_part_of_the_pixels_are_read(void **state)
         read_quality("{\"method\":\"paths\",\"paths\":4096,\"step\":0.5,\"pixels\":{\"stride\":8,\"threshold\":0.01}}");
 
     assert_true(quality.paths == 4096 && quality.step == 0.5 && quality.pixels.stride == 8);
+    assert_int_equal(quality.light_grid, 0);
+}
+
+static void light_grids_of_paths_are_read(void **state)
+{
+    assert_int_equal(read_quality("{\"method\":\"paths\",\"paths\":64,\"light_grid\":48}").light_grid, 48);
+    assert_int_equal(read_quality("{\"method\":\"paths\",\"paths\":64,\"light_grid\":0}").light_grid, 0);
+    job_expect_edit_refused(job_text_paths, "quality.light_grid", "3",
+                            "quality.light_grid: expected 0 or 4 to 512 cells, got 3");
+    job_expect_edit_refused(job_text_paths, "quality.light_grid", "513",
+                            "quality.light_grid: expected an integer from 0 to 512, got 513");
 }
 
 #define SPARSE_PATHS "\"method\":\"paths\",\"paths\":8,\"pixels\":{\"threshold\":0.1}"
@@ -203,8 +214,8 @@ static void wrong_random_paths_are_refused_by_place(void **state)
     job_expect_edit_refused(job_text_paths, "quality.paths", NULL,
                             "quality.paths: expected an integer from 1 to 1048576, got nothing");
     job_expect_edit_refused(job_text_paths, "quality.step", "1",
-                            "quality: unknown key \"step\" beside method \"paths\"; known: method, paths, samples, "
-                            "pixels, max_cut");
+                            "quality: unknown key \"step\" beside method \"paths\"; known: method, paths, light_grid, "
+                            "samples, pixels, max_cut");
     job_expect_edit_refused(text, "quality.scatter_grid", "3",
                             "quality.scatter_grid: expected an integer from 4 to 256, got 3");
     job_expect_edit_refused(text, "quality.scatter_grid", "257",
@@ -356,6 +367,7 @@ int main(void)
         cmocka_unit_test(cached_is_read),
         cmocka_unit_test(random_paths_are_read),
         cmocka_unit_test(paths_of_a_part_of_the_pixels_are_read),
+        cmocka_unit_test(light_grids_of_paths_are_read),
         cmocka_unit_test(scatter_grids_are_read),
         cmocka_unit_test(wrong_random_paths_are_refused_by_place),
         cmocka_unit_test(a_draft_is_one_word),

@@ -128,6 +128,33 @@ static void light_grids_need_bounds(void **state)
     free(text);
 }
 
+static void light_grids_of_paths_need_lamps_and_varying_media_that_end(void **state)
+{
+    static const char quality[] = "{\"method\":\"paths\",\"paths\":8,\"light_grid\":32}";
+    static const char floor[] =
+        "[{\"kind\":\"plane\",\"point\":[0,-9,0],\"material\":{\"kind\":\"diffuse\",\"albedo\":1}}]";
+    char *text = json_edit_set(job_text_paths, "quality", quality),
+         *edited = json_edit_set(text, "scene.objects", floor);
+    struct job job = job_expect(edited);
+
+    (void)state;
+    job_finish(&job);
+    free(edited);
+    edited = json_edit_set(text, "lights", "[{\"kind\":\"dome\",\"radiance\":1}]");
+    job_expect_refused(edited, "quality.light_grid: only for a sun, a point or a spot: paths lead to other lights");
+    free(edited);
+    edited = json_edit_set(text, "scene.media[0].density",
+                           "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}");
+    job_expect_refused(edited, "quality.light_grid: only where a density varies: what reaches others is known exactly");
+    free(edited);
+    edited = json_edit_set(text, "scene.media[0].density.bounds", "{\"kind\":\"slab\",\"thickness\":1}");
+    job_expect_refused(edited,
+                       "scene.media[0].density: expected bounds (a sphere or a box): with a light_grid each light has "
+                       "a grid around it");
+    free(edited);
+    free(text);
+}
+
 static void light_grids_have_four_channels(void **state)
 {
     static const char quality[] = "{\"method\":\"cached\",\"step\":0.1,\"light_grid\":32}";
@@ -339,6 +366,7 @@ int main(void)
         cmocka_unit_test(a_march_has_an_end),
         cmocka_unit_test(light_grids_need_bounds),
         cmocka_unit_test(light_grids_have_four_channels),
+        cmocka_unit_test(light_grids_of_paths_need_lamps_and_varying_media_that_end),
         cmocka_unit_test(even_media_need_no_end),
         cmocka_unit_test(equiangular_is_for_even_media),
         cmocka_unit_test(equiangular_points_are_limited_along_a_ray),
