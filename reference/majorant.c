@@ -203,3 +203,15 @@ double flight_advance(struct flight *flight, double column)
     }
     return INFINITY;
 }
+
+double flight_column(const struct flight *flight)
+{
+    struct flight rest = *flight;
+    double column = 0.0;
+
+    while (rest.at < rest.far) {
+        if (rest.most > 0.0) column += fmax(rest.end - rest.at, 0.0) * rest.most;
+        if (!enter_next_brick(&rest)) break;
+    }
+    return column;
+}

@@ -43,3 +43,5 @@ void flight_begin(struct flight *flight, const struct majorant *majorant, const 
 // Goes on until the bound's integral has grown by `column`, and returns the distance from the ray's origin; INFINITY:
 // the way ends before.
 double flight_advance(struct flight *flight, double column);
+// The bound's integral over what is left of the way; INFINITY where it has no end.
+double flight_column(const struct flight *flight);

@@ -9,12 +9,16 @@
 
 // Below this throughput a path goes on at random.
 static const double WEAK = 0.1;
+// A path that would collide within this depth of the media's bounds is not forced to: others are one in e^-16.
+static const double SURE_DEPTH = 16.0;
 
 struct walker {
     const struct path_scene *scene;
     const struct path_walk *walk;
     struct stream *stream;
-    double *radiance; // 3
+    double within[3], beyond[3]; // light so far that has not been handed over
+    double *radiance;            // 3
+    double share;                // of the light, that is handed over
     struct ray ray;
     double near, far; // m: media count between them on this stretch
     double throughput[3];
@@ -39,9 +43,18 @@ static double greatest(const double value[static 3])
 }
 
 // Where light goes that is scattered so often, counting emitted light as scattered once more than it is.
-static double *radiance_of(const struct walker *walker, int order)
+static double *radiance_of(struct walker *walker, int order)
 {
-    return walker->walk->beyond && order > walker->walk->parted ? walker->walk->beyond : walker->radiance;
+    return walker->walk->beyond && order > walker->walk->parted ? walker->beyond : walker->within;
+}
+
+static void hand_over(struct walker *walker)
+{
+    for (int c = 0; c < 3; c++) {
+        walker->radiance[c] += walker->share * walker->within[c];
+        if (walker->walk->beyond) walker->walk->beyond[c] += walker->share * walker->beyond[c];
+        walker->within[c] = walker->beyond[c] = 0.0;
+    }
 }
 
 static void advance(struct walker *walker, struct stretch *stretch, size_t medium)
@@ -60,6 +73,46 @@ static bool is_beginning(const struct walker *walker)
 static bool meets_light(const struct walker *walker)
 {
     return !(is_beginning(walker) && walker->walk->is_seen);
+}
+
+static double sum_of_depths(const struct path_walk *walk, size_t count)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < count; i++)
+        sum += walk->depths[i];
+    return sum;
+}
+
+// Tentative collisions of the media are independent: as if the media lay one behind the other, the depth of the first
+// one tells in which medium it is. Those before have none, and those behind it any number.
+static void force(struct walker *walker, struct stretch *stretch)
+{
+    const struct path_walk *walk = walker->walk;
+    const struct path_scene *scene = walker->scene;
+    double chance = -expm1(-sum_of_depths(walk, scene->medium_count));
+    double depth = -log1p(-chance * stream_draw(walker->stream));
+    size_t first = 0;
+
+    while (first + 1 < scene->medium_count && depth >= walk->depths[first]) {
+        stretch->next[first] = INFINITY;
+        depth -= walk->depths[first++];
+    }
+    stretch->next[first] = flight_advance(&stretch->flights[first], depth / scene->media[first].sigma);
+    for (size_t i = first + 1; i < scene->medium_count; i++)
+        advance(walker, stretch, i);
+    hand_over(walker); // what was found without a collision
+    walker->share = chance;
+}
+
+static void draw_collisions(struct walker *walker, struct stretch *stretch)
+{
+    if (is_beginning(walker) && walker->walk->is_forced) {
+        force(walker, stretch);
+        return;
+    }
+    for (size_t i = 0; i < walker->scene->medium_count; i++)
+        advance(walker, stretch, i);
 }
 
 static void begin_stretch(struct walker *walker, struct stretch *stretch)
@@ -84,11 +137,9 @@ static void begin_stretch(struct walker *walker, struct stretch *stretch)
     for (size_t i = 0; i < still->sphere_count; i++)
         stretch->sphere_at[i] =
             meets_light(walker) ? sphere_light_distance(&still->spheres[i], &walker->ray) : INFINITY;
-    for (size_t i = 0; i < scene->medium_count; i++) {
+    for (size_t i = 0; i < scene->medium_count; i++)
         flight_begin(&stretch->flights[i], &scene->media[i].majorant, &walker->ray, walker->near,
                      fmin(walker->far, stretch->end));
-        advance(walker, stretch, i);
-    }
 }
 
 // Counts the spheres that are met before `at`.
@@ -250,6 +301,7 @@ static bool follow(struct walker *walker)
     if (walker->order < walker->scene->orders)
         path_peak_add(walker->scene, &walker->vertex, walker->near, fmin(walker->far, stretch.end), walker->stream,
                       radiance_of(walker, walker->order + 1));
+    draw_collisions(walker, &stretch);
     event = fly(walker, &stretch);
     if (event == EVENT_NONE) {
         meet_spheres(walker, &stretch, stretch.end);
@@ -262,6 +314,23 @@ static bool follow(struct walker *walker)
     return event != EVENT_ENDED && scatter(walker);
 }
 
+void path_walk_force(const struct path_scene *scene, struct path_walk *walk)
+{
+    struct walker walker = {
+        .scene = scene, .walk = walk, .ray = walk->ray, .near = walk->near, .far = walk->far, .order = 0};
+    struct stretch stretch;
+    double depth;
+
+    begin_stretch(&walker, &stretch);
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        double sigma = scene->media[i].sigma;
+
+        walk->depths[i] = sigma > 0.0 ? sigma * flight_column(&stretch.flights[i]) : 0.0;
+    }
+    depth = sum_of_depths(walk, scene->medium_count);
+    walk->is_forced = walk->is_seen && !stretch.has_surface && !stretch.is_inside && depth > 0.0 && depth < SURE_DEPTH;
+}
+
 long path_walk_add(const struct path_scene *scene, const struct path_walk *walk, struct stream *stream,
                    double radiance[static 3])
 {
@@ -270,6 +339,7 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
         .walk = walk,
         .stream = stream,
         .radiance = radiance,
+        .share = 1.0,
         .ray = walk->ray,
         .near = walk->near,
         .far = walk->far,
@@ -284,5 +354,6 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
     while (follow(&walker)) {
         if (walk->draws_most > 0 && stream->drawn > walk->draws_most) break;
     }
+    hand_over(&walker);
     return walker.looks;
 }

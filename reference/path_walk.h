@@ -24,10 +24,17 @@ struct path_walk {
     // NULL: all of it is added to `radiance`. The draws are the same.
     double *beyond; // 3
     int parted;
+    // How deep the bounds of the scene's media are along the ray, of which no path then misses all: it collides at
+    // least once, and counts as much less as that is likely. path_walk_force sets both.
+    bool is_forced;
+    double depths[SCENE_MEDIUM_LIMIT];
     // The path is given up, its estimate being worth nothing, once it has drawn more numbers; 0: never.
     uint64_t draws_most;
 };
 
+// Forces the first tentative collision of a ray that is seen, unless it ends in a surface, meets nothing or collides
+// almost surely: few paths would collide in a thin medium. `throughput` of on_vertex is then that of a path that does.
+void path_walk_force(const struct path_scene *scene, struct path_walk *walk);
 // Adds one path's estimate to `radiance`: light scattered at most scene->orders times, and what glows at most orders -
 // 1 times; without the background and, for a ray that is seen, without the dome behind the still. Returns the number of
 // looks at densities.

@@ -54,9 +54,11 @@ static void find_behind(const struct still *still, const struct ray *ray, double
 static struct path_walk walk_through(const struct paths *paths, double x, double y)
 {
     const struct camera_pinhole *camera = &paths->scene.still->camera;
-
-    return (struct path_walk){
+    struct path_walk walk = {
         .ray = camera_pinhole_ray(camera, x, y), .near = camera->clip_near, .far = camera->clip_far, .is_seen = true};
+
+    path_walk_force(&paths->scene, &walk);
+    return walk;
 }
 
 void paths_measure_point(const struct paths *paths, double x, double y, long count, uint64_t seed,

@@ -170,12 +170,15 @@ static void flights_go_as_far_as_the_bound_says(void **state)
     assert_true(majorant_init(&majorant, &path_still_add_grid(&still, 1.0, 0.0)->density));
     for (int i = 0; i < RAYS; i++) {
         struct ray ray = {random_vector(&random, 2.0), vec3_normalize(random_vector(&random, 1.0))};
-        double near = random_between(&random, 0.0, 0.5), column = random_between(&random, 0.0, 3.0), at;
+        double near = random_between(&random, 0.0, 0.5), column = random_between(&random, 0.0, 3.0), whole, at;
         struct flight flight;
 
         if (i % 8 == 0) ray.direction = (struct vec3){0.0, i % 16 == 0 ? 1.0 : -1.0, 0.0};
         flight_begin(&flight, &majorant, &ray, near, 4.0);
+        whole = flight_column(&flight);
+        assert_near(summed_bound(&majorant, &ray, near, 4.0), whole, 0.01 * whole + 0.02);
         at = flight_advance(&flight, 0.3 * column);
+        if (!isinf(at)) assert_near(flight_column(&flight), whole - 0.3 * column, 1e-9);
         if (!isinf(at)) at = flight_advance(&flight, 0.7 * column);
         if (isinf(at)) {
             assert_true(summed_bound(&majorant, &ray, near, 4.0) <= column * 1.02 + 0.02);

@@ -110,6 +110,47 @@ static void mixed_media_s_first_order_is_exact(void **state)
     check_first_order(&still, 0.02);
 }
 
+static void make_thinner(struct medium *medium, double by)
+{
+    for (int c = 0; c < 3; c++) {
+        medium->sigma_s[c] /= by;
+        medium->sigma_a[c] /= by;
+        medium->emission[c] /= by;
+    }
+}
+
+// One path of hundreds would collide there.
+static void thin_media_need_few_paths(void **state)
+{
+    struct still still;
+
+    solid_still_init(&still);
+    make_thinner(path_still_add_ball(&still, (struct vec3){0.0, 0.0, 0.0}, 1.0, 0.9, 0.3), 1e6);
+    path_still_add_sun(&still, (struct vec3){0.3, -1.0, -0.5}, 1.5);
+    for (int i = 0; i < 2; i++) {
+        struct paths_light light = measure(&still, SCENE_ORDERS_ALL, 2, 2, 128, (uint64_t)i);
+        struct reference_pixel exact = reference_measure_pixel(&still, 2, 2, NULL);
+
+        assert_by_chance(light.mean[0], light.error[0], exact.radiance[0], 0.07, 1e-5 * exact.radiance[0]);
+    }
+}
+
+// Media are met in any order and number, though one of them at least is; what glows is met as often.
+static void thin_mixed_media_s_first_order_is_exact(void **state)
+{
+    struct still still;
+
+    solid_still_init(&still);
+    solid_still_set_background(&still, 1e-4);
+    set_colors(path_still_add_grid(&still, 1.0, 0.2), 2.0, 1.0, 0.3);
+    set_colors(path_still_add_ball(&still, (struct vec3){0.3, 0.2, 0.5}, 0.7, 0.5, 0.4), 0.1, 1.0, 2.0);
+    path_still_set_g(path_still_add_noise(&still, SCENE_NOISE_CLIP, 2.0, 0.1), 0.8);
+    add_lamps(&still);
+    for (size_t i = 0; i < still.medium_count; i++)
+        make_thinner(&still.media[i], i == 1 ? 3.0 : 1e3);
+    check_first_order(&still, 0.05);
+}
+
 // Extinctions of 1000, 30 and 1: blue sees through where red ends at once.
 static void colors_far_apart_share_their_paths(void **state)
 {
@@ -268,6 +309,8 @@ int main(int argc, char *argv[])
         cmocka_unit_test(noise_s_first_order_is_exact),
         cmocka_unit_test(a_grid_s_first_order_is_exact),
         cmocka_unit_test(mixed_media_s_first_order_is_exact),
+        cmocka_unit_test(thin_media_need_few_paths),
+        cmocka_unit_test(thin_mixed_media_s_first_order_is_exact),
         cmocka_unit_test(colors_far_apart_share_their_paths),
         cmocka_unit_test(a_diffuse_plane_s_first_order_is_exact),
         cmocka_unit_test(a_clipped_ball_s_first_order_is_exact),
