@@ -84,6 +84,8 @@ struct job_pixels {
 };
 
 // Where what fills a grid of scattered light begins.
+enum { JOB_SIMILAR_LIMIT = 1000 };
+
 enum job_scatter_from {
     JOB_SCATTER_FROM_ANY,    // where it costs less (worker/model/scatter_grid.h)
     JOB_SCATTER_FROM_LIGHTS, // particles fly out from the lights
@@ -108,9 +110,12 @@ struct job_quality {
     // JOB_SCATTER_GRID_LIMIT]; 0: none.
     int scatter_grid;
     enum job_scatter_from scatter_from; // (scatter_grid)
-    int paths;                          // a pixel (paths), or a node of the scatter_grid; 0: neither
-    enum job_estimator estimator;       // (tracking)
-    double min_transmittance;           // a ray ends below it; 0: never
+    // Scatterings of a walk from a node behind which media are similar ones, of less and broader scattering
+    // (shaders/scatter_grid/similar.glsl); 0: never.
+    int similar_after;
+    int paths;                    // a pixel (paths), or a node of the scatter_grid; 0: neither
+    enum job_estimator estimator; // (tracking)
+    double min_transmittance;     // a ray ends below it; 0: never
     // Russian roulette: a ray whose transmittance is below `roulette_below` survives with the probability
     // `roulette_survive`, by which its light is then divided.
     double roulette_below, roulette_survive; // 0: no roulette

@@ -137,6 +137,7 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
     if (quality->paths > 0) fprintf(text, " scatter_grid %d paths %d", quality->scatter_grid, quality->paths);
     if (quality->scatter_from != JOB_SCATTER_FROM_ANY) fprintf(text, " from %d", (int)quality->scatter_from);
+    if (quality->similar_after > 0) fprintf(text, " similar %d", quality->similar_after);
     if (quality->pixels.stride == 0) return;
     fprintf(text, " stride %d", quality->pixels.stride);
     hash_text_numbers(text, "threshold", &quality->pixels.threshold, 1);

@@ -14,7 +14,7 @@ enum { GRID_MIN = 4 };
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
 
 // Keys of all methods that take steps, and of all that render scenes with objects.
-#define SCATTER_KEYS "scatter_grid", "scatter_from", "paths"
+#define SCATTER_KEYS "scatter_grid", "scatter_from", "similar_after", "paths"
 #define STEP_KEYS "method", "step", "step_voxels", "light_step", "light_step_voxels", "min_transmittance"
 #define PATH_KEYS "samples", "max_depth", "min_throughput", "max_cut"
 
@@ -246,10 +246,10 @@ static bool read_random_paths(const struct json_node *object, struct job_quality
 // Without a method the planner chooses these keys.
 static bool check_is_planned(const struct json_node *object, struct error *error)
 {
-    static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
-                                       "light_grid", "density_grid", "depth_step",        "order",
-                                       "points",     "light_steps",  "min_transmittance", "roulette",
-                                       "pixels",     "paths",        "scatter_grid",      "scatter_from"};
+    static const char *const keys[] = {
+        "step",       "step_voxels", "light_step",   "light_step_voxels", "light_grid",        "density_grid",
+        "depth_step", "order",       "points",       "light_steps",       "min_transmittance", "roulette",
+        "pixels",     "paths",       "scatter_grid", "scatter_from",      "similar_after"};
 
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         struct json_node node = json_node_child(object, keys[i]);
@@ -333,23 +333,35 @@ static bool read_draft(const struct json_node *text, struct job_quality *quality
 // In the order of enum job_scatter_from, after the first.
 static const char *const scatter_froms[] = {"lights", "nodes", NULL};
 
+static bool read_similar(const struct json_node *similar, const struct json_node *object, struct job_quality *quality,
+                         struct error *error)
+{
+    if (json_node_is_absent(similar)) return true;
+    if (quality->scatter_from != JOB_SCATTER_FROM_NODES)
+        return json_fail(similar, error, "only beside scatter_from \"nodes\"");
+    return read_count(object, "similar_after", JOB_SIMILAR_LIMIT, &quality->similar_after, error);
+}
+
 // Reads the keys of the grid of scattered light beside a march.
 static bool read_scatter_grid(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     struct json_node grid = json_node_child(object, "scatter_grid"), paths = json_node_child(object, "paths");
-    struct json_node from = json_node_child(object, "scatter_from");
+    struct json_node from = json_node_child(object, "scatter_from"), similar = json_node_child(object, "similar_after");
     int64_t cells;
     int choice = 0;
 
     if (quality->method == JOB_METHOD_PATHS) return true;
     if (json_node_is_absent(&grid))
         return (json_node_is_absent(&paths) || json_fail(&paths, error, "only beside scatter_grid")) &&
-               (json_node_is_absent(&from) || json_fail(&from, error, "only beside scatter_grid"));
+               (json_node_is_absent(&from) || json_fail(&from, error, "only beside scatter_grid")) &&
+               (json_node_is_absent(&similar) || json_fail(&similar, error, "only beside scatter_grid"));
     if (!json_node_is_absent(&from)) {
         if (!json_read_enum(&from, scatter_froms, &choice, error)) return false;
         quality->scatter_from = JOB_SCATTER_FROM_LIGHTS + (enum job_scatter_from)choice;
     }
-    if (!json_read_integer(&grid, GRID_MIN, JOB_SCATTER_GRID_LIMIT, &cells, error)) return false;
+    if (!read_similar(&similar, object, quality, error) ||
+        !json_read_integer(&grid, GRID_MIN, JOB_SCATTER_GRID_LIMIT, &cells, error))
+        return false;
     quality->scatter_grid = (int)cells;
     quality->paths = JOB_PATH_DEFAULT;
     return json_node_is_absent(&paths) || read_count(object, "paths", JOB_PATH_LIMIT, &quality->paths, error);
@@ -411,6 +423,7 @@ void quality_to_json(struct json_writer *writer, const struct job *job, const st
     write_count(writer, "scatter_grid", quality->scatter_grid);
     if (quality->scatter_from != JOB_SCATTER_FROM_ANY)
         json_write_string_member(writer, "scatter_from", scatter_froms[quality->scatter_from - 1]);
+    write_count(writer, "similar_after", quality->similar_after);
     write_count(writer, "paths", quality->paths);
     write_number(writer, "min_transmittance", quality->min_transmittance);
     json_write_integer_member(writer, "samples", quality->samples);

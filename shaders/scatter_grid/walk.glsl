@@ -33,7 +33,7 @@ float scatter_walk_fly(inout ScatterWalk walk, float depth)
         ++walk.iterations;
         float edge = media_next_edge(walk.spans, walk.at, walk.end);
         vec3 here = walk.position + walk.at * walk.direction;
-        float rate = media_rate(walk.spans, here, walk.direction, walk.at, walk.least, edge);
+        float rate = walk_rate(walk.spans, here, walk.direction, walk.at, walk.least, edge);
         float within = rate * (edge - walk.at);
         if (depth < within) {
             walk.at += depth / rate;
@@ -57,7 +57,7 @@ Spectrum scatter_walk_meet(inout ScatterWalk walk, float rate, int most)
     }
     Spectrum light = spectrum(0.0);
     if (walk.scatterings + 2 <= most) light = walk.weight * walk_emission(field, here) / rate;
-    Spectrum extinction = media_extinction(field);
+    Spectrum extinction = walk_extinction(field);
     float odds = min(spectrum_mean(walk.weight * extinction) / (rate * spectrum_mean(walk.weight)), 1.0);
     if (odds <= 0.0 || walk_random() >= odds) {
         if (odds > 0.0) walk.weight *= max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds);
@@ -70,10 +70,12 @@ Spectrum scatter_walk_meet(inout ScatterWalk walk, float rate, int most)
     }
     walk.weight /= rate * odds;
     ++walk.scatterings;
+    walk_is_cleared = WALK_SIMILAR_AFTER > 0 && walk.scatterings >= WALK_SIMILAR_AFTER;
     light += walk.weight * walk_lit(field, here, walk.direction);
     vec3 turned = walk.direction;
     walk_scatter(field, walk.direction, walk.weight, turned);
     walk.weight = walk.scatterings + 1 < most || WALK_HAS_SKY ? scatter_walk_thin(walk.weight) : spectrum(0.0);
+    walk_is_similar = walk_is_cleared;
     scatter_walk_turn(walk, here, turned);
     return light;
 }
@@ -130,6 +132,7 @@ void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, i
             vec3 even = vec3((shift + uint(walks) * STRIDES) >> 8u) * (1.0 / 16777216.0);
             walk.weight = spectrum(1.0);
             walk.scatterings = 0;
+            walk_is_similar = walk_is_cleared = false;
             scatter_walk_turn(walk, node, walk_first(set, away, even.xy));
             goes = true;
             share = even.z;

@@ -58,11 +58,11 @@ static bool has_equal_numbers(const struct job_quality *a, const struct job_qual
 {
     return a->method == b->method && a->order == b->order && a->points == b->points && a->light_grid == b->light_grid &&
            a->density_grid == b->density_grid && a->scatter_grid == b->scatter_grid &&
-           a->scatter_from == b->scatter_from && a->paths == b->paths && a->samples == b->samples &&
-           a->light_steps == b->light_steps && a->estimator == b->estimator && a->roulette_below == b->roulette_below &&
-           a->roulette_survive == b->roulette_survive && has_equal_steps(a, b) && has_equal_light_steps(a, b) &&
-           has_equal_paths(a, b) && is_equal(a->depth_step, b->depth_step) &&
-           is_equal(a->min_transmittance, b->min_transmittance);
+           a->scatter_from == b->scatter_from && a->similar_after == b->similar_after && a->paths == b->paths &&
+           a->samples == b->samples && a->light_steps == b->light_steps && a->estimator == b->estimator &&
+           a->roulette_below == b->roulette_below && a->roulette_survive == b->roulette_survive &&
+           has_equal_steps(a, b) && has_equal_light_steps(a, b) && has_equal_paths(a, b) &&
+           is_equal(a->depth_step, b->depth_step) && is_equal(a->min_transmittance, b->min_transmittance);
 }
 
 static bool find_point(const struct plan_family *family, const struct plan_scene *scene,

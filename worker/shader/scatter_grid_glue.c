@@ -109,9 +109,21 @@ static bool skips(const struct scatter_grid *grid)
     return !grid->inputs || 0.5 * grid->cell_m < MAJORANT_VOXELS * scene_inputs_find_voxel(grid->inputs);
 }
 
+static bool has_forward_lobe(const struct scatter_grid_program *program)
+{
+    const struct scatter_grid *grid = program->grid;
+
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        for (size_t i = 0; i < SCENE_LOBE_LIMIT; ++i)
+            if (program->walked->features.media[grid->media[k]].lobes[i] == LOBE_HENYEY_GREENSTEIN) return true;
+    return false;
+}
+
 static void add_walks(struct shader_assembly *text, const struct scatter_grid_program *program,
                       const struct scene_cache *cache)
 {
+    if (program->grid->job->quality.similar_after > 0 && has_forward_lobe(program))
+        shader_assembly_add(text, "scatter_grid/similar.glsl");
     shader_assembly_generate(text);
     scatter_walk_glue_write(text->out, program->walked, program->grid);
     fprintf(text->out, "const bool SCATTER_GRID_SKIPS = %s;\n", skips(program->grid) ? "true" : "false");

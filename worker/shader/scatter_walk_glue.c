@@ -5,6 +5,7 @@
 #include "worker/model/light_kind.h"
 #include "worker/model/scatter_grid.h"
 #include "worker/model/scene_model.h"
+#include "worker/shader/scatter_similar_glue.h"
 #include "worker/shader/scene_glue_gather.h"
 
 static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t index)
@@ -55,19 +56,35 @@ static void write_emission(FILE *out, const struct scene_model *model)
     fputs("    return source;\n}\n", out);
 }
 
-static void write_passed(FILE *out, const struct scene_model *model, size_t light)
+static void write_passed(FILE *out, const struct scene_model *model, const struct scatter_grid *grid, size_t light)
 {
+    const char *transmittance = grid->job->quality.similar_after > 0 ? "walk_transmittance" : "media_transmittance";
+
     if (model->features.has_light_grids)
-        fprintf(out, "media_transmittance(light_%zu_column(point, light))", light);
+        fprintf(out, "%s(light_%zu_column(point, light))", transmittance, light);
     else if (!model->features.marches_to_lights)
-        fputs("media_transmittance(transmittance_closed(media_spans(point, light.direction), light.distance))", out);
+        fprintf(out, "%s(transmittance_closed(media_spans(point, light.direction), light.distance))", transmittance);
     else
         fputs("media_transmittance_estimate(media_spans(point, light.direction), point, light.direction, "
               "vec2(0.0, light.distance), 0.0)",
               out);
 }
 
-static void write_lit(FILE *out, const struct scene_model *model)
+static void write_scattered(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+{
+    const char *separator = "";
+
+    fputs("        Spectrum scattered = ", out);
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        fprintf(out, "%smedium_%zu_sigma_s * (density_%zu * ", separator, grid->media[k], grid->media[k]);
+        scatter_similar_glue_write_phase(out, grid, grid->media[k]);
+        fputs(")", out);
+        separator = " + ";
+    }
+    fputs(";\n", out);
+}
+
+static void write_lit(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
 {
     fputs("Spectrum walk_lit(MediaField field, vec3 point, vec3 direction)\n{\n    Spectrum source = spectrum(0.0);\n",
           out);
@@ -75,9 +92,9 @@ static void write_lit(FILE *out, const struct scene_model *model)
     for (size_t i = 0; model->features.media_are_lit && i < model->job->scene.light_count; ++i) {
         if (!model->features.light_is_marched[i]) continue;
         fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", i);
-        scene_glue_write_scattered(out, "        ", model);
+        write_scattered(out, model, grid);
         fputs("        source += scattered * light.irradiance * ", out);
-        write_passed(out, model, i);
+        write_passed(out, model, grid, i);
         fputs(";\n    }\n", out);
     }
     fputs("    return source;\n}\n", out);
@@ -108,7 +125,9 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
     for (size_t k = 0; k < grid->medium_count; ++k) {
         size_t i = grid->media[k];
 
-        fprintf(out, "    Spectrum part_%zu = weight * medium_%zu_sigma_s * density_%zu;\n", i, i, i);
+        fprintf(out, "    Spectrum part_%zu = weight * medium_%zu_sigma_s * density_%zu", i, i, i);
+        scatter_similar_glue_write_share(out, grid, i);
+        fputs(";\n", out);
         if (grid->medium_count > 1) fprintf(out, "    all += spectrum_mean(part_%zu);\n", i);
     }
     if (grid->medium_count > 1) fputs("    float draw = walk_random() * all;\n", out);
@@ -117,10 +136,10 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
 
         fprintf(out,
                 "    if (draw < spectrum_mean(part_%zu)) {\n        weight = part_%zu * (all / "
-                "spectrum_mean(part_%zu));\n        turned = medium_%zu_turned(direction, vec2(walk_random(), "
-                "walk_random()));\n        return;\n    }\n"
-                "    draw -= spectrum_mean(part_%zu);\n",
-                i, i, i, i, i);
+                "spectrum_mean(part_%zu));\n        turned = ",
+                i, i, i);
+        scatter_similar_glue_write_turn(out, grid, i, "vec2(walk_random(), walk_random())");
+        fprintf(out, ";\n        return;\n    }\n    draw -= spectrum_mean(part_%zu);\n", i);
     }
     if (grid->medium_count > 1)
         fprintf(out,
@@ -129,8 +148,10 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
                 grid->media[grid->medium_count - 1], grid->media[grid->medium_count - 1]);
     else
         fprintf(out, "    weight = part_%zu;\n", grid->media[0]);
-    fprintf(out, "    turned = medium_%zu_turned(direction, vec2(walk_random(), walk_random()));\n}\n",
-            grid->media[grid->medium_count - 1]);
+    fputs("    turned = ", out);
+    scatter_similar_glue_write_turn(out, grid, grid->media[grid->medium_count - 1],
+                                    "vec2(walk_random(), walk_random())");
+    fputs(";\n}\n", out);
 }
 
 static void write_first(FILE *out, const struct scatter_grid *grid)
@@ -154,11 +175,12 @@ void scatter_walk_glue_write_scatter(FILE *out, const struct scene_model *model,
 
 void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
 {
+    scatter_similar_glue_write(out, model, grid);
     scatter_walk_glue_write_scatter(out, model, grid);
     // Media that glow without extinction have no collisions.
     fprintf(out, "const float WALK_SAMPLES = %s;\n", model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
     write_emission(out, model);
-    write_lit(out, model);
+    write_lit(out, model, grid);
     write_sky(out, model);
     write_first(out, grid);
 }

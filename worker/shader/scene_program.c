@@ -382,6 +382,11 @@ static struct scene_model walked_model(struct scene_program *program)
 static bool check_scattered(const struct scene_program *program, struct error *error)
 {
     if (!scatter_grid_check_size(program->scatter_grid, error)) return false;
+    if (program->model.job->quality.similar_after > 0 && program->walked_model.features.estimates_columns) {
+        error_set(error, "quality.similar_after: only where at most %d media are marched towards lights",
+                  JOB_CACHED_MEDIUM_LIMIT);
+        return false;
+    }
     if (!program->scatter_grid->is_from_lights || !program->model.features.has_emission) return true;
     error_set(error, "quality.scatter_from: expected \"nodes\", since media emit light");
     return false;
@@ -398,9 +403,9 @@ static bool add_scattered(struct scene_program *program, const char *shader_dir,
         error_set(error, "quality.scatter_grid: expected media that end, by bounds or by their grid's box");
         return false;
     }
+    program->walked_model = walked_model(program);
     if (!check_scattered(program, error)) return false;
     scatter_grid_add_values(&program->uniforms, program->scatter_grid);
-    program->walked_model = walked_model(program);
     if (program->light_grid_count == 0 && !program->scatter_grid->is_from_lights &&
         !add_grids(program, &program->walked_model, shader_dir, error))
         return false;

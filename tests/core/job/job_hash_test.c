@@ -338,6 +338,8 @@ static void orders_lights_and_random_paths_count(void **state)
                     "\"scatter_from\":\"lights\"}"},
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64,"
                     "\"scatter_from\":\"nodes\"}"},
+        {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":16,\"paths\":64,"
+                    "\"scatter_from\":\"nodes\",\"similar_after\":4}"},
         {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1}"},
         {"lights[0].inner.start", "11"},
         {"lights[0].outer.keys[1][1]", "41"},

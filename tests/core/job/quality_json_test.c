@@ -197,7 +197,10 @@ static void scatter_grids_are_read(void **state)
     assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_LIGHTS);
     quality = read_quality(
         "{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4,\"scatter_from\":\"nodes\"}");
-    assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_NODES);
+    assert_true(quality.scatter_from == JOB_SCATTER_FROM_NODES && quality.similar_after == 0);
+    quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4,"
+                           "\"scatter_from\":\"nodes\",\"similar_after\":3}");
+    assert_int_equal(quality.similar_after, 3);
     quality = read_quality("{\"method\":\"cached\",\"step\":1,\"light_grid\":16}");
     assert_true(quality.scatter_grid == 0 && quality.paths == 0);
 }
@@ -226,6 +229,10 @@ static void wrong_random_paths_are_refused_by_place(void **state)
                             "quality.scatter_from: only beside scatter_grid");
     job_expect_edit_refused(text, "quality.scatter_from", "\"sun\"",
                             "quality.scatter_from: expected one of \"lights\",\"nodes\", got \"sun\"");
+    job_expect_edit_refused(text, "quality.similar_after", "3",
+                            "quality.similar_after: only beside scatter_from \"nodes\"");
+    job_expect_edit_refused(job_text_noise, "quality.similar_after", "3",
+                            "quality.similar_after: only beside scatter_grid");
     job_expect_edit_refused(job_text_noise, "quality", "{\"paths\":4}",
                             "quality.paths: only beside a method; without one, the planner chooses it");
     free(text);
@@ -299,8 +306,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
         {"quality.points", "3",
          "quality: unknown key \"points\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
-         "max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, similar_after, paths, roulette, pixels, "
+         "samples, max_depth, "
          "min_throughput, max_cut"},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
         {"quality.light_step_voxels", "1",
@@ -322,13 +329,13 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
         {"quality.tolerance", "0.1",
          "quality: unknown key \"tolerance\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
-         "max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, similar_after, paths, roulette, pixels, "
+         "samples, max_depth, "
          "min_throughput, max_cut"},
         {"quality.on_miss", "\"publish\"",
          "quality: unknown key \"on_miss\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
-         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, paths, roulette, pixels, samples, "
-         "max_depth, "
+         "light_step_voxels, min_transmittance, scatter_grid, scatter_from, similar_after, paths, roulette, pixels, "
+         "samples, max_depth, "
          "min_throughput, max_cut"},
         {"quality", "{\"on_miss\":\"keep\"}", "quality.on_miss: expected one of \"fail\",\"publish\", got \"keep\""},
         {"quality", "{\"tolerance\":5}",
