@@ -4,6 +4,7 @@
 #include "core/job/scattering_check.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
+#include "core/scene/scene_diameter.h"
 #include "worker/audit/truth_lengths.h"
 #include "worker/density/density_bake.h"
 #include "worker/model/scene_features.h"
@@ -49,6 +50,23 @@ static bool serves_marched(const struct plan_scene *scene)
 static bool serves_scattered(const struct plan_scene *scene)
 {
     return scene->is_scattered;
+}
+
+// True where paths may take light from grids: around each medium that varies, one for each lamp.
+static bool serves_path_grids(const struct plan_scene *scene)
+{
+    const struct job *job = scene->job;
+    size_t varying = 0;
+
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_density *density = &job->scene.media[i].density;
+
+        if (scene_density_is_even(density)) continue;
+        varying++;
+        if (density->kind != SCENE_DENSITY_GRID && isinf(scene_diameter_of_density(density, job_time_span(job))))
+            return false;
+    }
+    return scene->is_scattered && scene->has_lights && varying > 0 && varying <= JOB_CACHED_MEDIUM_LIMIT;
 }
 
 static bool serves_lit(const struct plan_scene *scene)
@@ -178,6 +196,7 @@ const struct plan_family plan_families[] = {
      serves_marched,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS, SCATTER_AXES},
      6},
+    {"paths by light grids", JOB_METHOD_PATHS, 0, serves_path_grids, {PLAN_AXIS_PIXEL_PATHS, PLAN_AXIS_LIGHT_GRID}, 2},
     {"paths", JOB_METHOD_PATHS, 0, serves_scattered, {PLAN_AXIS_PIXEL_PATHS}, 1},
 };
 const size_t plan_family_count = sizeof plan_families / sizeof *plan_families;
@@ -440,16 +459,17 @@ static double grid_work(const struct plan_scene *scene, const struct job_quality
     static const double COLUMN = 16.0; // a node's sum over the nodes before it, which is bound by memory
     double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
 
-    if (quality->method != JOB_METHOD_CACHED || !scene->has_lights) return 0.0;
+    if (quality->light_grid == 0 || !scene->has_lights) return 0.0;
     return lights * pow(quality->light_grid, 3) * (density + COLUMN) / samples;
 }
 
 // Work of the random paths of a frame, divided by its pixels.
 static double scatter_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
 {
+    static const double LOOKED_UP = 0.6; // what is left without flights to lights
     double each = quality->paths * scene->path_flights * (density + 1.0);
 
-    if (quality->method == JOB_METHOD_PATHS) return each;
+    if (quality->method == JOB_METHOD_PATHS) return quality->light_grid > 0 ? LOOKED_UP * each : each;
     return pow(quality->scatter_grid, 3) * each / (scene->pixels * quality->samples);
 }
 

@@ -19,7 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIXELS = 16 * 12 }; // of each frame
+enum {
+    PIXELS = 16 * 12,   // of each frame
+    LIGHT_GRID_RUNG = 6 // of paths: 64 cells, whose error is a few thousandths of the light
+};
 
 // Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
 static const double SHARE = 0.65, FIRST_SHARE = 0.4;
@@ -177,6 +180,7 @@ static void set_point(const struct plan_scatter *scatter, struct plan *plan, int
     count = plan_family_axes(&plan_families[plan->family], &scene, axes);
     for (int i = 0; i < count; i++) {
         if (axes[i] == PLAN_AXIS_SCATTER_GRID) plan->point.rungs[i] = grid_rung;
+        if (axes[i] == PLAN_AXIS_LIGHT_GRID && grid_rung == SCATTER_PIXELS) plan->point.rungs[i] = LIGHT_GRID_RUNG;
         if (axes[i] == PLAN_AXIS_NODE_PATHS || axes[i] == PLAN_AXIS_PIXEL_PATHS) plan->point.rungs[i] = path_rung;
     }
     plan->quality = plan_family_quality(&plan_families[plan->family], &scene, &plan->point);
@@ -248,11 +252,12 @@ static bool find_worst(struct plan_scatter *scatter, bool has_grid)
     return true;
 }
 
-static bool find_paths_family(struct plan_scatter *scatter)
+// The first that serves: without flights to lights, where their grids can be.
+static bool find_paths_family(struct plan_scatter *scatter, const struct plan_scene *scene)
 {
     for (size_t i = 0; i < plan_family_count; i++) {
         scatter->paths_family = i;
-        if (plan_families[i].method == JOB_METHOD_PATHS) return true;
+        if (plan_families[i].method == JOB_METHOD_PATHS && plan_family_serves(&plan_families[i], scene)) return true;
     }
     return false;
 }
@@ -295,7 +300,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
     scatter->plan = &first;
     plan_scene_init(&scene, job);
     has_grid = plan_family_serves(&plan_families[plan->family], &scene);
-    if (find_paths_family(scatter) && find_worst(scatter, has_grid))
+    if (find_paths_family(scatter, &scene) && find_worst(scatter, has_grid))
         finding = scatter_search_run(
             &(struct scatter_search){.target = SHARE * job->quality.tolerance,
                                      .pixels = (double)job->width_px * job->height_px * job->quality.samples,

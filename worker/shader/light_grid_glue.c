@@ -43,9 +43,6 @@ void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
     fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_at(" : "round_at(", out);
     write_grid(out, grid, i);
     fputs(grid->kind == LIGHT_GRID_BEAM ? ", point);\n" : ", light.direction, light.distance);\n", out);
-    // Surfaces lie beside the beam, too, where the media are not.
-    if (grid->kind == LIGHT_GRID_BEAM && grid->job->scene.object_count > 0)
-        fputs("    if (at.xy != clamp(at.xy, 0.0, 1.0)) at.z = 0.0;\n", out);
     fprintf(out,
             "    vec4 marched = transmittance_cached(light_%zu_columns, at);\n"
             "    MediaColumn column = media_column_begin(media_spans(point, light.direction), light.distance);\n",

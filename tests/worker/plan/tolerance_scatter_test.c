@@ -1,10 +1,12 @@
 // Frames of several orders of scattering keep their tolerance.
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "tests/support/gl_stage.h"
+#include "tests/support/json_edit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 #include "worker/plan/tolerance.h"
@@ -58,7 +60,9 @@ static double measure_error(const struct job *job, const struct image *image)
     return sqrt(fmax(square, 0.0) / all);
 }
 
-static void check(const char *density, const char *sigma_s, const char *sky, double allowed)
+// Returns what the frame was rendered with. `objects` may be NULL.
+static struct job_quality check_with(const char *density, const char *sigma_s, const char *sky, double allowed,
+                                     const char *objects)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
     struct tolerance *tolerance = tolerance_create(stage.renderer);
@@ -66,11 +70,13 @@ static void check(const char *density, const char *sigma_s, const char *sky, dou
     struct error error = {{0}};
     struct image image;
     struct job job;
-    char text[2048];
+    char text[2048], *edited;
     double found;
 
     snprintf(text, sizeof text, JOB, sky, density, sigma_s, allowed);
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    edited = objects ? json_edit_set(text, "scene.objects", objects) : xstrdup(text);
+    if (!job_parse(&job, edited, strlen(edited), NULL, &error)) fail_msg("%s", error.message);
+    free(edited);
     assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
     if (!tolerance_render(tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image}, &result,
                           &error))
@@ -86,6 +92,12 @@ static void check(const char *density, const char *sigma_s, const char *sky, dou
     job_finish(&job);
     tolerance_destroy(tolerance);
     gl_stage_close(stage);
+    return result.quality;
+}
+
+static void check(const char *density, const char *sigma_s, const char *sky, double allowed)
+{
+    (void)check_with(density, sigma_s, sky, allowed, NULL);
 }
 
 static void a_white_ball_keeps_its_tolerance(void **state)
@@ -104,6 +116,18 @@ static void media_under_a_sky_keep_their_tolerance(void **state)
     check(NOISE, "5", ",{\"kind\":\"dome\",\"gradient\":{\"along\":[0.2,0.4,0.9],\"against\":0.5},\"visible\":true}",
           0.05);
     check(BALL, "3", ",{\"kind\":\"sphere\",\"position\":[-2,0,2],\"radius\":0.5,\"intensity\":9}", 0.1);
+}
+
+// No march with a grid of scattered light shows surfaces: paths do, with what lamps send looked up.
+static void noise_over_a_floor_has_light_grids(void **state)
+{
+    static const char floor[] = "[{\"kind\":\"plane\",\"point\":[0,-1.1,0],\"material\":{\"kind\":\"diffuse\","
+                                "\"albedo\":[0.8,0.5,0.3]}}]";
+    struct job_quality quality = check_with(NOISE, "5", "", 0.1, floor);
+
+    (void)state;
+    assert_int_equal(quality.method, JOB_METHOD_PATHS);
+    assert_in_range(quality.light_grid, 45, 256);
 }
 
 static int fills;
@@ -152,14 +176,14 @@ static void a_stated_grid_is_filled_once(void **state)
     (void)state;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stated_grid_is_filled_once),
-        cmocka_unit_test(a_white_ball_keeps_its_tolerance),
-        cmocka_unit_test(white_noise_keeps_its_tolerance),
-        cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
+        cmocka_unit_test(a_stated_grid_is_filled_once),       cmocka_unit_test(a_white_ball_keeps_its_tolerance),
+        cmocka_unit_test(white_noise_keeps_its_tolerance),    cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
+        cmocka_unit_test(noise_over_a_floor_has_light_grids),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
