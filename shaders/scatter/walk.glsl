@@ -54,6 +54,14 @@ bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
     return is_met;
 }
 
+// The same, with the light that is known to reach the point: where it is looked up without a flight, what is expected
+// at each of the majorant's particles has less noise than what is found where the path is scattered.
+bool walk_reach(WalkVertex met, vec3 point, float rate, inout Walk walk)
+{
+    if (WALK_GATHERS) walk_known(point, walk.direction, met, walk.weight / rate, walk.light);
+    return walk_meet(met.field, point, rate, walk);
+}
+
 // What a flight is for.
 const int WALK_ON = 0;    // the path goes on, or a ray is followed for its transmittance
 const int WALK_LIGHT = 1; // from a vertex to a light
@@ -115,7 +123,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 if ((WALK_FLIES && kind != WALK_ON) || walk.path < 0)
                     walk.weight *= max(1.0 - walk_extinction(met.field) / rate, spectrum(0.0));
                 else
-                    is_met = walk_meet(met.field, point, rate, walk);
+                    is_met = walk_reach(met, point, rate, walk);
                 if (is_met) break;
                 walk.weight = walk_thin(walk.weight, faint);
                 if (walk.path < 0 && was > 0.5 && spectrum_mean(walk.weight) <= 0.5) walk.depth += vec2(walk.at, 1.0);
@@ -147,7 +155,8 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 ++walk.order;
                 vertex = walk.origin;
                 left = walk.left;
-                lit = walk_light(vertex, walk.direction, met, walk.weight, light, walk.light);
+                if (!WALK_GATHERS || met.left != 0u) walk_known(vertex, walk.direction, met, walk.weight, walk.light);
+                lit = walk_light(vertex, walk.direction, met, walk.weight, light);
                 behind = spectrum(0.0);
                 nearby = spectrum(0.0);
                 if (walk.order < orders) {

@@ -272,8 +272,24 @@ static void write_light_sample(FILE *out, const struct scene_model *model, size_
           out);
 }
 
-// Lights whose transmittance is known add up. Of several others one is drawn by what each would add without shadows:
-// Chao's reservoir of one.
+// Lights whose transmittance is known add up.
+static void write_known(FILE *out, const struct scene_model *model)
+{
+    const struct scene_features *features = &model->features;
+
+    fprintf(out, "const bool WALK_GATHERS = %s;\n", features->has_light_grids ? "true" : "false");
+    fputs("void walk_known(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout Spectrum sum)\n{\n",
+          out);
+    for (size_t i = 0; features->has_lights && i < model->job->scene.light_count; ++i) {
+        if (!features->light_is_seen[i] || !is_direct(model, i)) continue;
+        fputs("    {\n", out);
+        write_light_sample(out, model, i);
+        fprintf(out, "        sum += share * walk_reached_%zu(point, vertex.left, candidate);\n    }\n", i);
+    }
+    fputs("}\n", out);
+}
+
+// Of several lights to which flights lead one is drawn by what each would add without shadows: Chao's reservoir of one.
 static void write_light(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -281,22 +297,19 @@ static void write_light(FILE *out, const struct scene_model *model)
 
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
         flown += features->light_is_seen[i] && !is_direct(model, i);
-    fputs("Spectrum walk_light(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout LightSample light, "
-          "inout Spectrum sum)\n{\n    Spectrum lit = spectrum(0.0);\n",
+    fputs("Spectrum walk_light(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, inout LightSample "
+          "light)\n{\n    Spectrum lit = spectrum(0.0);\n",
           out);
     if (flown > 1) fputs("    float total = 0.0;\n", out);
     for (size_t i = 0; features->has_lights && i < model->job->scene.light_count; ++i) {
-        if (!features->light_is_seen[i]) continue;
+        if (!features->light_is_seen[i] || is_direct(model, i)) continue;
         fputs("    {\n", out);
         write_light_sample(out, model, i);
-        if (is_direct(model, i))
-            fprintf(out, "        sum += share * walk_reached_%zu(point, vertex.left, candidate);\n    }\n", i);
-        else
-            fputs(flown > 1 ? "        float mean = spectrum_mean(share);\n        total += mean;\n"
-                              "        if (mean > 0.0 && walk_random() * total <= mean) {\n"
-                              "            lit = share / mean;\n            light = candidate;\n        }\n    }\n"
-                            : "        lit = share;\n        light = candidate;\n    }\n",
-                  out);
+        fputs(flown > 1 ? "        float mean = spectrum_mean(share);\n        total += mean;\n"
+                          "        if (mean > 0.0 && walk_random() * total <= mean) {\n"
+                          "            lit = share / mean;\n            light = candidate;\n        }\n    }\n"
+                        : "        lit = share;\n        light = candidate;\n    }\n",
+              out);
     }
     if (flown > 1) fputs("    lit *= total;\n", out);
     fputs("    return lit;\n}\n", out);
@@ -311,5 +324,6 @@ void scene_glue_write_walk_lights(FILE *out, const struct scene_model *model)
     if (count_near(model) > 0 && near_is_direct(model)) write_near_light(out);
     write_near_vertex(out, model);
     write_near_start(out, model);
+    write_known(out, model);
     write_light(out, model);
 }
