@@ -431,10 +431,27 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_PATHS:
         return check_paths(&check); // and scattering_check
     case JOB_METHOD_AUTO:
-    case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
-        return media_are_even(&job->scene) || check_midpoint(&check);
+    case JOB_METHOD_DRAFT: // homogeneous media alone need no steps, nor do paths
+        return media_are_even(&job->scene) || (job->scene.orders > 1 && !step_has_end(job)) || check_midpoint(&check);
     }
     return false;
+}
+
+bool step_has_end(const struct job *job)
+{
+    const struct scene *scene = &job->scene;
+    const struct check check = {.job = job, .span = job_time_span(job)};
+    double clip = scene->camera.clip_far - scene->camera.clip_near;
+
+    for (size_t i = 0; i < scene->medium_count && !media_are_even(scene); i++) {
+        const struct scene_medium *medium = &scene->media[i];
+
+        if (medium->density.kind == SCENE_DENSITY_GRID) continue;
+        if (isinf(fmin(medium_diameter(&check, medium), clip))) return false;
+        for (size_t k = 0; k < scene->light_count && !scene_density_is_even(&medium->density); k++)
+            if (is_marched_to(&scene->lights[k]) && isinf(light_path(&check, medium, &scene->lights[k]))) return false;
+    }
+    return true;
 }
 
 double step_longest_path(const struct job *job)

@@ -4,7 +4,6 @@
 #include "core/job/scattering_check.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
-#include "core/scene/scene_diameter.h"
 #include "worker/audit/truth_lengths.h"
 #include "worker/density/density_bake.h"
 #include "worker/model/scene_features.h"
@@ -52,26 +51,15 @@ static bool serves_scattered(const struct plan_scene *scene)
     return scene->is_scattered;
 }
 
-// True where paths may take light from grids: around each medium that varies, one for each lamp.
-static bool serves_path_grids(const struct plan_scene *scene)
-{
-    const struct job *job = scene->job;
-    size_t varying = 0;
-
-    for (size_t i = 0; i < job->scene.medium_count; i++) {
-        const struct scene_density *density = &job->scene.media[i].density;
-
-        if (scene_density_is_even(density)) continue;
-        varying++;
-        if (density->kind != SCENE_DENSITY_GRID && isinf(scene_diameter_of_density(density, job_time_span(job))))
-            return false;
-    }
-    return scene->is_scattered && scene->has_lights && varying > 0 && varying <= JOB_CACHED_MEDIUM_LIMIT;
-}
-
 static bool serves_lit(const struct plan_scene *scene)
 {
     return serves_marched(scene) && scene->has_lights;
+}
+
+// Paths that take light from grids, where step_check lets them.
+static bool serves_path_grids(const struct plan_scene *scene)
+{
+    return serves_scattered(scene) && serves_lit(scene);
 }
 
 // True for noise of several octaves that density_bake can put into a grid.

@@ -5,6 +5,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/job/step_check.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_beyond.h"
 #include "worker/plan/plan_budget.h"
@@ -377,6 +378,15 @@ static void forget_evidence(struct plan_evidence *evidence)
     evidence->pixel_limit = pixel_limit;
 }
 
+// Where marches have no end, there is no plan of the first order: paths show it with all others.
+static bool choose_first(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                         struct error *error)
+{
+    if (step_has_end(params->job)) return choose_plan(plan, params, fault, error);
+    *plan = (struct plan){.family = plan_family_count, .work_ratio = 1.0};
+    return true;
+}
+
 static bool choose_scattered(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                              struct error *error)
 {
@@ -388,7 +398,7 @@ static bool choose_scattered(struct plan *plan, const struct plan_params *params
     if (!scatter) return false;
     first = plan_scatter_first_job(scatter);
     first_params.job = &first;
-    ok = choose_plan(plan, &first_params, fault, error);
+    ok = choose_first(plan, &first_params, fault, error);
     if (ok && params->evidence) forget_evidence(params->evidence);
     ok = ok && plan_scatter_complete(scatter, plan, fault, error);
     plan_scatter_destroy(scatter);

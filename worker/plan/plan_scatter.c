@@ -299,7 +299,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
 
     scatter->plan = &first;
     plan_scene_init(&scene, job);
-    has_grid = plan_family_serves(&plan_families[plan->family], &scene);
+    has_grid = plan->family < plan_family_count && plan_family_serves(&plan_families[plan->family], &scene);
     if (find_paths_family(scatter, &scene) && find_worst(scatter, has_grid))
         finding = scatter_search_run(
             &(struct scatter_search){.target = SHARE * job->quality.tolerance,

@@ -204,6 +204,32 @@ static void even_media_need_no_end(void **state)
     free(text);
 }
 
+// Random paths end as they are absorbed, so several orders of scattering need no bounds without a method.
+static void several_orders_need_no_end(void **state)
+{
+    char *open = json_edit_set(job_text_noise, "scene.media",
+                               "[{\"density\":{\"kind\":\"noise\",\"frequency\":1},\"sigma_s\":1,\"sigma_a\":1}]");
+    char *one = json_edit_set(open, "camera.clip", NULL),
+         *planned = json_edit_set(one, "quality", "{\"tolerance\":0.1}");
+    char *all = json_edit_set(planned, "scene.scattering", "{\"orders\":\"all\"}"), *marched;
+    struct job job = job_expect(all);
+
+    (void)state;
+    job_finish(&job);
+    marched =
+        json_edit_set(all, "quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"scatter_grid\":8}");
+    job_expect_refused(planned,
+                       "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: "
+                       "a march through it has no end");
+    job_expect_refused(marched, "scene.media[0].density: expected bounds of a sphere or a box: a scatter_grid is a box "
+                                "around what scatters");
+    free(marched);
+    free(all);
+    free(planned);
+    free(one);
+    free(open);
+}
+
 static void equiangular_is_for_even_media(void **state)
 {
     char *text = json_edit_set(job_text_fog, "scene.media[0].density.bounds.falloff", "0.5");
@@ -368,6 +394,7 @@ int main(void)
         cmocka_unit_test(light_grids_have_four_channels),
         cmocka_unit_test(light_grids_of_paths_need_lamps_and_varying_media_that_end),
         cmocka_unit_test(even_media_need_no_end),
+        cmocka_unit_test(several_orders_need_no_end),
         cmocka_unit_test(equiangular_is_for_even_media),
         cmocka_unit_test(equiangular_points_are_limited_along_a_ray),
         cmocka_unit_test(an_interior_ends_with_its_object),
