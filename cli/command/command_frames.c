@@ -2,6 +2,7 @@
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
 #include "cli/farm/job_states.h"
+#include "cli/farm/plan_beyond.h"
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
 #include "core/base/alloc.h"
@@ -72,8 +73,23 @@ static void print_share(const struct json_node *frame, const char *key)
         printf("  %8s", "-");
 }
 
+// What the orders that are modelled leave out, as the frame's plan has it: a column where some plan knows it.
+static void print_beyond(const struct json_node *frame, const struct plan_beyond *plans)
+{
+    const struct job_beyond *beyond = plan_beyond_find(plans, (int64_t)number_of(frame, "plan"));
+    char error[JOB_BEYOND_PERCENT_SIZE], bound[JOB_BEYOND_PERCENT_SIZE], both[40] = "-";
+
+    if (plans->count == 0) return;
+    if (beyond) {
+        job_beyond_percent(beyond->error, error);
+        job_beyond_percent(beyond->error95, bound);
+        snprintf(both, sizeof both, "%s / %s", error, bound);
+    }
+    printf("  %15s", both);
+}
+
 // Columns have fixed widths, so that each page is printed before the next is requested.
-static void print_frame(const struct json_node *frame)
+static void print_frame(const struct json_node *frame, const struct plan_beyond *plans)
 {
     double size = number_of(frame, "size_bytes");
 
@@ -88,10 +104,12 @@ static void print_frame(const struct json_node *frame)
     print_audit(frame);
     print_share(frame, "cut_share");
     print_share(frame, "traced");
+    print_beyond(frame, plans);
     print_end(frame);
 }
 
-static void print_page(const struct options *options, const struct json_node *frames, bool is_first)
+static void print_page(const struct options *options, const struct json_node *frames, const struct plan_beyond *plans,
+                       bool is_first)
 {
     struct json_node frame = {0};
 
@@ -103,7 +121,7 @@ static void print_page(const struct options *options, const struct json_node *fr
             free(text);
             is_first = false;
         } else {
-            print_frame(&frame);
+            print_frame(&frame, plans);
         }
     }
 }
@@ -123,64 +141,73 @@ static char *format_params(const struct options *options, int64_t id, const char
     return params.text;
 }
 
-static void print_titles(const struct options *options)
+static void print_titles(const struct options *options, const struct plan_beyond *plans)
 {
-    if (options->json)
+    if (options->json) {
         printf("{\"frames\":[");
-    else
-        printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %8s  %8s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
-               "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "TRACED %", "FILE, FAILURE OR PHASE");
+        return;
+    }
+    printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %8s  %8s", "FRAME", "STATE", "TRY", "RENDER S", "ENCODE S",
+           "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "TRACED %");
+    if (plans->count > 0) printf("  %15s", "BEYOND % / 95 %");
+    printf("  FILE, FAILURE OR PHASE\n");
 }
 
-// `*cursor` is owned by the caller; NULL: the first page, and after the last one.
-static enum exit_status print_next_page(const struct options *options, struct connection *connection, int64_t id,
-                                        char **cursor, int64_t *count, struct error *error)
+struct listing {
+    const struct options *options;
+    struct connection *connection;
+    int64_t id;
+    struct plan_beyond plans; // of tables; empty in JSON, whose frames name their plans
+    char *cursor;             // owned; NULL: the first page, and after the last one
+    int64_t count;            // frames that were printed
+};
+
+static enum exit_status print_next_page(struct listing *listing, struct error *error)
 {
-    char *params = format_params(options, id, *cursor);
-    bool ok, is_first = !*cursor;
+    char *params = format_params(listing->options, listing->id, listing->cursor);
+    bool ok, is_first = !listing->cursor;
     struct json_node frames, next;
     struct message reply;
     const char *text;
 
-    ok = connection_call(connection, "job.frames", params, &reply, error);
+    ok = connection_call(listing->connection, "job.frames", params, &reply, error);
     free(params);
-    free(*cursor);
-    *cursor = NULL;
-    if (!ok) return connection_failure(connection);
-    if (is_first) print_titles(options);
+    free(listing->cursor);
+    listing->cursor = NULL;
+    if (!ok) return connection_failure(listing->connection);
+    if (is_first) print_titles(listing->options, &listing->plans);
     frames = json_node_child(&reply.body, "frames");
     next = json_node_child(&reply.body, "next");
-    print_page(options, &frames, *count == 0);
-    *count += (int64_t)json_node_count(&frames);
-    if (json_read_string(&next, &text, NULL)) *cursor = xstrdup(text);
+    print_page(listing->options, &frames, &listing->plans, listing->count == 0);
+    listing->count += (int64_t)json_node_count(&frames);
+    if (json_read_string(&next, &text, NULL)) listing->cursor = xstrdup(text);
     message_finish(&reply);
     return EXIT_STATUS_DONE;
 }
 
-static enum exit_status print_frames(const struct options *options, struct connection *connection, int64_t id,
-                                     struct error *error)
+static enum exit_status print_frames(struct listing *listing, struct error *error)
 {
+    bool is_json = listing->options->json;
     enum exit_status status;
-    char *cursor = NULL;
-    int64_t count = 0;
 
+    if (!is_json) plan_beyond_ask(&listing->plans, listing->connection, listing->id);
     do
-        status = print_next_page(options, connection, id, &cursor, &count, error);
-    while (status == EXIT_STATUS_DONE && cursor);
-    if (status == EXIT_STATUS_DONE && options->json) printf("],\"next\":null,\"total\":%" PRId64 "}\n", count);
+        status = print_next_page(listing, error);
+    while (status == EXIT_STATUS_DONE && listing->cursor);
+    if (status == EXIT_STATUS_DONE && is_json) printf("],\"next\":null,\"total\":%" PRId64 "}\n", listing->count);
+    plan_beyond_finish(&listing->plans);
     return status;
 }
 
 enum exit_status command_frames(const struct options *options, struct error *error)
 {
-    struct connection *connection;
+    struct listing listing = {.options = options};
     enum exit_status status;
-    int64_t id;
 
-    if (!options_parse_id(options->operands[0], &id, error)) return EXIT_STATUS_USAGE;
-    connection = daemon_call_connect(options, &status, error);
-    if (!connection) return status;
-    status = print_frames(options, connection, id, error);
-    connection_close(connection);
+    if (!options_parse_id(options->operands[0], &listing.id, error)) return EXIT_STATUS_USAGE;
+    listing.connection = daemon_call_connect(options, &status, error);
+    if (!listing.connection) return status;
+    status = print_frames(&listing, error);
+    connection_close(listing.connection);
     return status;
 }

@@ -83,6 +83,7 @@ static void note_answer(struct verify_file *file, const struct json_node *answer
     json_read_number(&tolerance, 0, HUGE_VAL, &file->tolerance, NULL);
     json_read_bool(&draft, &file->is_draft, NULL);
     frame_accuracy_read(&file->accuracy, answer, NULL);
+    (void)job_beyond_read(&file->beyond, answer, NULL);
 }
 
 static enum exit_status ask_batch(struct worker_child *child, struct verify_list *list, size_t first, size_t count,

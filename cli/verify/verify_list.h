@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/hash.h"
+#include "core/job/job_beyond.h"
 #include "core/wire/frame_accuracy.h"
 
 #include <stdbool.h>
@@ -27,6 +28,7 @@ struct verify_file {
     double tolerance;                   // 0: none
     bool is_draft;                      // it promises no accuracy
     struct frame_accuracy accuracy;
+    struct job_beyond beyond;
 };
 
 // The zero value is empty.

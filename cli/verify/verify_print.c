@@ -63,6 +63,18 @@ static size_t count_unmeasured(const struct verify_list *list, const struct veri
     return count;
 }
 
+// What is left out shows nowhere: said of whole sequences, which are of one job mostly, by their largest.
+static void print_beyond(const struct verify_list *list, const struct verify_sequence *sequence)
+{
+    const struct verify_file *most = sequence->most_beyond == SIZE_MAX ? NULL : &list->files[sequence->most_beyond];
+    char error[JOB_BEYOND_PERCENT_SIZE], bound[JOB_BEYOND_PERCENT_SIZE];
+
+    if (!most) return;
+    job_beyond_percent(most->beyond.error, error);
+    job_beyond_percent(most->beyond.error95, bound);
+    printf("; the modelled orders of scattering leave out %s %% (95 %%: below %s %%)", error, bound);
+}
+
 static void print_summary(const struct verify_list *list, const struct verify_sequence *sequence)
 {
     const struct verify_file *worst = sequence->worst == SIZE_MAX ? NULL : &list->files[sequence->worst];
@@ -76,6 +88,7 @@ static void print_summary(const struct verify_list *list, const struct verify_se
         if (worst->tolerance > 0) printf(" of %.2g %%", 100 * worst->tolerance);
         printf(" in %s", worst->name);
     }
+    print_beyond(list, sequence);
     if (sequence->missed_count > 0) printf("; %zu published over the tolerance", sequence->missed_count);
     if (drafts > 0) printf("; %zu draft%s, of no promised accuracy", drafts, drafts == 1 ? "" : "s");
     if (!worst && unmeasured > 0)
@@ -117,6 +130,7 @@ static void write_sequence(const struct verify_list *list, const struct verify_s
         json_write_number_member(writer, "worst_error95", worst->accuracy.error95);
         json_write_string_member(writer, "worst_file", worst->name);
     }
+    if (sequence->most_beyond != SIZE_MAX) job_beyond_write(&list->files[sequence->most_beyond].beyond, writer);
     json_write_end_object(writer);
 }
 
@@ -129,6 +143,7 @@ static void write_file(const struct verify_file *file, struct json_writer *write
     if (file->tolerance > 0) json_write_number_member(writer, "tolerance", file->tolerance);
     if (file->is_draft) json_write_bool_member(writer, "draft", true);
     frame_accuracy_write(&file->accuracy, writer);
+    job_beyond_write(&file->beyond, writer);
     json_write_end_object(writer);
 }
 

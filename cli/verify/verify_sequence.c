@@ -245,7 +245,8 @@ void verify_sequence_judge(struct verify_sequence *sequence, struct verify_list 
 {
     struct verify_file *files = list->files + first;
 
-    *sequence = (struct verify_sequence){.first = first, .file_count = file_count, .worst = SIZE_MAX};
+    *sequence =
+        (struct verify_sequence){.first = first, .file_count = file_count, .worst = SIZE_MAX, .most_beyond = SIZE_MAX};
     sequence->pattern = expected->pattern ? xstrdup(expected->pattern) : find_pattern(&files[0]);
     list_frames(sequence, files, expected->range);
     if (!expected->is_job) {
@@ -260,6 +261,9 @@ void verify_sequence_judge(struct verify_sequence *sequence, struct verify_list 
         if (file->accuracy.audit[0] &&
             (sequence->worst == SIZE_MAX || file->accuracy.error > list->files[sequence->worst].accuracy.error))
             sequence->worst = i;
+        if (file->beyond.is_known &&
+            (sequence->most_beyond == SIZE_MAX || file->beyond.error > list->files[sequence->most_beyond].beyond.error))
+            sequence->most_beyond = i;
     }
 }
 

@@ -18,6 +18,8 @@ struct verify_sequence {
     char *missing;       // owned; the frames missing; empty: none
     int64_t missing_count;
     size_t worst; // the file with the largest error, by index in the list; SIZE_MAX: none has an error
+    // The file whose modelled orders of scattering leave out the largest part; SIZE_MAX: none says what they do.
+    size_t most_beyond;
 };
 
 // Expectations beside those that the files themselves state.

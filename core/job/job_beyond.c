@@ -63,24 +63,24 @@ bool job_beyond_read(struct job_beyond *beyond, const struct json_node *object, 
     return false;
 }
 
-// Two digits, and all of 100.
-static int digits(double percent)
+void job_beyond_percent(double share, char text[static JOB_BEYOND_PERCENT_SIZE])
 {
-    return percent < 99.5 ? 2 : 3;
+    snprintf(text, JOB_BEYOND_PERCENT_SIZE, "%.*g", share < 0.995 ? 2 : 3, 100.0 * share);
 }
 
 void job_beyond_describe(const struct job_beyond *beyond, int orders, char text[static JOB_BEYOND_TEXT_SIZE])
 {
-    char modelled[64] = "single scattering leaves";
+    char modelled[64] = "single scattering leaves", error[JOB_BEYOND_PERCENT_SIZE], bound[JOB_BEYOND_PERCENT_SIZE];
 
     text[0] = 0;
     if (!job_beyond_is_told(beyond)) return;
     if (orders > 1) snprintf(modelled, sizeof modelled, "%d orders of scattering leave", orders);
+    job_beyond_percent(beyond->error, error);
+    job_beyond_percent(beyond->error95, bound);
     if (beyond->is_known)
         snprintf(text, JOB_BEYOND_TEXT_SIZE,
-                 "%s out %.*g %% of the picture's light, at most %.*g %%; scene.scattering.orders \"all\" models it",
-                 modelled, digits(100.0 * beyond->error), 100.0 * beyond->error, digits(100.0 * beyond->error95),
-                 100.0 * beyond->error95);
+                 "%s out %s %% of the picture's light, at most %s %%; scene.scattering.orders \"all\" models it",
+                 modelled, error, bound);
     else
         snprintf(text, JOB_BEYOND_TEXT_SIZE, "how much light %s out is not known: %s", modelled, beyond->why);
 }

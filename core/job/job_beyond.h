@@ -8,7 +8,7 @@ struct error;
 struct json_node;
 struct json_writer;
 
-enum { JOB_BEYOND_WHY_SIZE = 160, JOB_BEYOND_TEXT_SIZE = 320 };
+enum { JOB_BEYOND_WHY_SIZE = 160, JOB_BEYOND_TEXT_SIZE = 320, JOB_BEYOND_PERCENT_SIZE = 16 };
 
 // The zero value says nothing: all orders are modelled, or nobody asked.
 struct job_beyond {
@@ -27,5 +27,7 @@ void job_beyond_write(const struct job_beyond *beyond, struct json_writer *write
 // Reads that member of `object`; absent or null: the zero value, as on failure.
 bool job_beyond_read(struct job_beyond *beyond, const struct json_node *object, struct error *error);
 
+// Writes a share as percent, in two digits, and all three of 100; without the sign.
+void job_beyond_percent(double share, char text[static JOB_BEYOND_PERCENT_SIZE]);
 // Writes a sentence without its full stop about a job that models `orders` (struct scene); empty where nothing is told.
 void job_beyond_describe(const struct job_beyond *beyond, int orders, char text[static JOB_BEYOND_TEXT_SIZE]);

@@ -31,6 +31,16 @@ expect 1 march verify good --tolerance 0.0049
 says "a.0005.exr  marchd:error: expected at most 0.0049 (tolerance), got 0.005" "1 wrong, 0 missing"
 [ "$(wc -l <out)" -eq 3 ] || fail "one file alone is over the given tolerance"
 
+# What the modelled orders of scattering leave out is no defect: the largest of the sequence is told.
+exr-make good/a.0002.exr frame=2 error=0.002 beyond=0.6
+exr-make good/a.0003.exr frame=3 error=0.003 beyond=0.8
+expect 0 march verify good
+[ "$(cat out)" = "a.####.exr: 6 files, frames 0-5; worst error 0.5 % (95 %: below 0.75 %) of 1 % in a.0005.exr; the modelled orders of scattering leave out 80 % (95 %: below 100 %); all well" ] || fail "the summary with what is left out"
+expect 0 march verify good --json
+jq -e '.sequences[0].beyond == {"error": 0.8, "error95": 1} and .files[2].beyond == {"error": 0.6, "error95": 0.75} and (.files[1] | has("beyond") | not)' out >/dev/null ||
+    fail "--json with what is left out"
+sequence good 5
+
 expect 2 march verify good/a.0000.exr
 grep -q "good/a.0000.exr: expected a folder of EXR files or a job file, got an EXR file" err || fail "a picture is no folder"
 
@@ -128,9 +138,9 @@ expect 1 march verify job.json
 says "missing: frames 0-3" "fog.####.exr: 0 files; 0 wrong, 4 missing"
 march render job.json --backend software >/dev/null 2>err || fail "render"
 expect 0 march verify job.json
-says "fog.####.exr: 4 files, frames 0-3; 4 whose error was not measured, for their job states its method; all well"
+says "fog.####.exr: 4 files, frames 0-3; the modelled orders" "; 4 whose error was not measured, for their job states its method; all well"
 expect 0 march verify fog
-says "fog.####.exr: 4 files, frames 0-3; 4 whose error was not measured, for their job states its method; all well"
+says "fog.####.exr: 4 files, frames 0-3; the modelled orders" "; 4 whose error was not measured, for their job states its method; all well"
 march verify - <job.json >out 2>err || fail "a job from standard input"
 expect 0 march verify job.json --frames 1-2
 says "2 files, frames 1-2"

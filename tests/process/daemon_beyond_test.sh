@@ -61,6 +61,12 @@ for frame in 0 1 2 3; do
     expect "frame $frame" "$(number "out/thick.000$frame.exr" marchd:beyond)" "$first"
 done
 within "the plan's" "$(ask job.plans "{\"id\":$id}" | jq '.result.plans[0].beyond.error * 100 | round')" "$first" "$first"
+march frames "$id" --socket "$socket" >out.txt || fail "frames"
+head -n 1 out.txt | grep -q 'TRACED %  BEYOND % / 95 %  FILE' || fail "the titles of march frames: $(cat out.txt)"
+[[ $(tr -s ' ' <out.txt | sed -n 2p) =~ \ ([0-9.]+)\ /\ [0-9.]+\ $scratch/out/thick.0000.exr$ ]] || fail "the row of march frames: $(cat out.txt)"
+within "that of march frames" "$(printf '%.0f' "${BASH_REMATCH[1]}")" "$first" "$first"
+march verify out >out.txt || fail "verify: $(cat out.txt)"
+grep -q "; the modelled orders of scattering leave out $first % (95 %: below [0-9]* %); all well$" out.txt || fail "verify: $(cat out.txt)"
 expect "submit --json is quiet" "$(march submit tolerant.json --set output.path=j.####.exr --socket "$socket" --json 2>&1 | jq -r 'keys[]')" id
 march submit all.json --socket "$socket" >/dev/null 2>err
 ! grep -q warning err || fail "all orders leave nothing out: $(cat err)"

@@ -1,12 +1,14 @@
 // exr-make FILE [KEY=VALUE...]: writes a frame of 16 x 9 pixels with a header of ours.
 // SPDX-License-Identifier: Apache-2.0
 // Keys: frame, width, hash (of the job; "" is foreign), picture (its hash), error, error95 (1.5 error), tolerance (0:
-// no audit), scope, value (of channel G of pixel (3, 2)).
+// no audit), scope, beyond (what the modelled orders leave out; absent: not said), value (of channel G of pixel
+// (3, 2)).
 #include "core/base/error.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,6 +57,9 @@ int main(int argc, char *argv[])
     header.job_hash = find_value(argv + 2, "picture", header.sequence_hash);
     header.method = *header.job_hash ? "cached" : NULL;
     header.audit = find_audit(argv + 2);
+    header.beyond.error = find_number(argv + 2, "beyond", -1.0);
+    header.beyond.is_known = header.beyond.error >= 0.0;
+    header.beyond.error95 = fmin(1.25 * header.beyond.error, 1.0);
     if (!image_init(&image, (int)find_number(argv + 2, "width", 16), 9, false, false, NULL)) return 1;
     for (int i = 0; i < image.width_px * image.height_px * 4; i++)
         image.rgba[i] = (float)(i % 7) * 0.125f;

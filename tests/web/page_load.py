@@ -150,6 +150,8 @@ class RenderedTest(unittest.TestCase):
         planned = self.farm.ask("job.plans", {"id": self.job})["plans"][0]
         page.has(planned["why"])
         page.has(planned["quality"]["method"], "tbody")
+        page.has("Light left out")
+        page.has(planned["beyond"].get("why", "% of it, below"), "tbody")
         self.assertEqual(page.complaints(), [])
 
 

@@ -18,6 +18,10 @@ class PicturePageTest(unittest.TestCase):
         cls.addClassCleanup(cls.page.close)
         document = cls.farm.document("film", "0-5")
         document["output"]["aovs"] = ["Z", "transmittance"]
+        ball = {"kind": "noise", "frequency": 1.5, "octaves": 2,
+                "bounds": {"kind": "sphere", "radius": 0.6, "falloff": 0.2}}
+        document["scene"] = {"media": [{"sigma_s": 3, "density": ball}]}
+        document["quality"] = {"method": "midpoint", "step": 0.1, "light_step": 0.1}
         cls.job = cls.farm.ask("job.submit", {"document": document})["id"]
         wait_until("the job is over", lambda: cls.farm.job(cls.job)["state"] == "succeeded")
         cls.page.open(cls.farm.link(scope="read"))
@@ -44,6 +48,7 @@ class PicturePageTest(unittest.TestCase):
         width, height, _ = self.wait_for([f"/frame/{self.job}/2.png?", "channel=color"])
         self.assertEqual((width, height), (32, 18))
         self.assertIn("marchd:jobHash", page.text(".frame"))
+        self.assertRegex(page.text(".frame"), r"Light left out\s+[0-9.]+ % of it, below [0-9.]+ % with 95 %")
         options = page.run("return [...document.querySelector('.frame select').options].map(o => o.value)")
         self.assertEqual(options, ["A", "color", "Z", "transmittance"])
         page.run("const s = document.querySelector('.frame select'); s.value = 'Z'; s.dispatchEvent(new Event('change'))")

@@ -1,5 +1,5 @@
 // What was planned for a job, what march explain says of it, and its document.
-import { View, el, button, hint, facts, count, percent, table } from "./dom.js";
+import { View, el, button, hint, facts, count, leftOut, percent, table } from "./dom.js";
 import { getAnswer } from "./frame.js";
 import { editDocument } from "./submit.js";
 
@@ -25,10 +25,12 @@ export class Plans extends View {
   async show() {
     if (!this.view.shown) return; // it is shown again when the job is known
     const { plans } = await this.view.farm.call("job.plans", { id: this.view.id });
-    const rows = plans.map(({ number, quality: { method, ...others }, why, scouts }) => [`${number}`, method,
-      JSON.stringify(others, short, 1).replace(/[{}"\n]/g, "").trim(), why, percent(Math.max(...scouts, 0))]);
+    const rows = plans.map(({ number, quality: { method, ...others }, why, scouts, beyond }) => [`${number}`, method,
+      JSON.stringify(others, short, 1).replace(/[{}"\n]/g, "").trim(), why, percent(Math.max(...scouts, 0)),
+      leftOut(beyond?.error, beyond?.error95) ?? beyond?.why ?? "–"]);
     const explained = el("div", null, hint("The farm is asked what is modelled."));
-    this.root.replaceChildren(rows.length ? table("Plans", ["Plan", "Method", "Numbers", "Why", "Foreseen error"], rows)
+    this.root.replaceChildren(rows.length ? table("Plans", ["Plan", "Method", "Numbers", "Why", "Foreseen error",
+      "Light left out"], rows)
       : hint("Nothing was planned: the job states its method, or no frame has begun."), explained);
     explained.replaceChildren(...await explain(this.view).catch(({ message }) => [hint(message)]));
   }

@@ -66,7 +66,6 @@ export function toast(text, isWrong = false) {
 export const signs = { queued: "…", running: "▶", paused: "Ⅱ", succeeded: "✓", failed: "✗", canceled: "⊘", skipped: "»",
   missed: "!", busy: "▶", idle: "○", starting: "…", backing_off: "✗", stopping: "⊘", waiting: "Ⅱ" };
 export const wordOf = (state) => (state === "missed" ? "over the tolerance" : state.replace("_", " "));
-
 export const signOf = (state) => el("span", { class: "sign", "aria-hidden": "true",
   "--fill": `var(--${state}, var(--queued))` }, signs[state] ?? "?");
 export const stateMark = (state) => el("span", { class: `state ${state}` }, signOf(state), ` ${wordOf(state)}`);
@@ -85,9 +84,11 @@ export function duration(seconds) {
   return `${Math.round(minutes / 1440)} d`;
 }
 
-export function percent(share, digits = 2) {
-  return Number.isFinite(share) ? `${(share * 100).toPrecision(digits).replace(/e\+.*/, "")} %` : "–";
-}
+export const percent = (share, digits = 2) => (!Number.isFinite(share) ? "–" // all digits of 100 and more
+  : `${share < 0.995 ? (share * 100).toPrecision(digits) : Math.round(share * 100)} %`);
+// What the modelled orders of scattering leave out; null where that is not known.
+export const leftOut = (error, error95) =>
+  (Number.isFinite(error) ? `${percent(error)} of it, below ${percent(error95)} with 95 %` : null);
 
 export function rate(framesPerSecond) {
   const [seconds, unit] = [[1, "s"], [60, "min"]].find(([each]) => framesPerSecond * each >= 0.1) ?? [3600, "h"];

@@ -1,6 +1,6 @@
 // One frame: its picture, log, attempts and header.
-import { View, el, button, checkbox, clamp, select, facts, hint, stateMark, table, duration, percent, size, time }
-  from "./dom.js";
+import { View, el, button, checkbox, clamp, select, facts, hint, leftOut, stateMark, table, duration, percent, size,
+  time } from "./dom.js";
 import { parseRange } from "./ranges.js";
 
 const ZOOMS = [0, 0.5, 1, 2, 4, 8, 16], MOST_PX = 4096, STOPS = 16;
@@ -119,6 +119,7 @@ export class FrameView extends View {
     this.channel.replaceChildren(...[...names].map((value) => el("option", { value, selected: value === look.channel },
       { color: "colour", A: "alpha", Z: "Z (depth)" }[value] ?? value)));
     this.header.replaceChildren(facts([["Size", `${width} × ${height}`], ["Compression", compression],
+      ["Light left out", leftOut(attributes["marchd:beyond"], attributes["marchd:beyond95"])],
       ["Channels", channels.map(({ name, pixel }) => `${name} (${pixel})`).join(", "), "long"],
       ...Object.entries(attributes).map(([name, value]) => [name, typeof value === "object" ? JSON.stringify(value)
         : `${value}`, "long"])]));

@@ -68,6 +68,7 @@ static void write_facts(const struct image_exr_facts *facts, struct json_writer 
     if (facts->audit.kind != AUDIT_NONE) json_write_number_member(writer, "tolerance", facts->audit.tolerance);
     if (facts->is_draft) json_write_bool_member(writer, "draft", true);
     frame_accuracy_write(&accuracy, writer);
+    job_beyond_write(&facts->beyond, writer);
 }
 
 static void write_file(const struct verification *verification, const char *path, int32_t frame,

@@ -134,6 +134,21 @@ static void older_files_are_compared_by_their_pictures(void **state)
     verify_list_finish(&list);
 }
 
+static void what_is_left_out_most_is_found(void **state)
+{
+    struct verify_list list = LIST(0, 1, 2, 3);
+    struct verify_sequence sequence = judge(&list, NULL);
+
+    assert_int_equal(sequence.most_beyond, SIZE_MAX);
+    verify_sequence_finish(&sequence);
+    for (int i = 0; i < 4; i++)
+        list.files[i].beyond = (struct job_beyond){.is_known = i < 3, .error = i == 1 ? 0.5 : i == 3 ? 1.0 : 0.0};
+    sequence = judge(&list, NULL);
+    assert_int_equal(sequence.most_beyond, 1);
+    verify_sequence_finish(&sequence);
+    verify_list_finish(&list);
+}
+
 static void worst_error_is_found(void **state)
 {
     struct verify_list list = LIST(0, 1, 2, 3);
@@ -159,6 +174,7 @@ int main(void)
         cmocka_unit_test(files_unlike_most_are_blamed),
         cmocka_unit_test(older_files_are_compared_by_their_pictures),
         cmocka_unit_test(worst_error_is_found),
+        cmocka_unit_test(what_is_left_out_most_is_found),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

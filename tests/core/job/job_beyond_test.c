@@ -41,6 +41,19 @@ static void a_sentence_says_it(void **state)
     assert_describes(&(struct job_beyond){0}, SCENE_ORDERS_ALL, "");
 }
 
+static void shares_have_two_digits_and_all_of_100(void **state)
+{
+    static const double shares[] = {0.0, 0.00123, 0.6512, 0.9949, 0.9951, 1.0};
+    static const char *const texts[] = {"0", "0.12", "65", "99", "99.5", "100"};
+
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+        char text[JOB_BEYOND_PERCENT_SIZE];
+
+        job_beyond_percent(shares[i], text);
+        assert_string_equal(text, texts[i]);
+    }
+}
+
 static bool read(const char *text, struct job_beyond *beyond, struct error *error)
 {
     struct cJSON *tree;
@@ -115,6 +128,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sentence_says_it),
+        cmocka_unit_test(shares_have_two_digits_and_all_of_100),
         cmocka_unit_test(json_keeps_it),
         cmocka_unit_test(wrong_json_is_refused),
         cmocka_unit_test(only_what_is_known_is_over_a_tolerance),
