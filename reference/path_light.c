@@ -123,16 +123,38 @@ static double own_share(const struct path_peak *peak, const struct path_vertex *
     return vertex->is_surface ? 1.0 : 1.0 - path_peak_share(peak, vertex->position);
 }
 
-void path_light_add(const struct path_scene *scene, const struct path_vertex *vertex, struct stream *stream,
-                    double radiance[static 3])
+static double aimed_share(const struct path_aim *aim, size_t lamp)
 {
-    const struct still *still = scene->still;
+    double sum = 1.0;
 
-    // Where light grows without limit, a seldom look would bring too much at once.
-    for (size_t i = 0; i < still->light_count; i++)
-        add_lamp(scene, vertex, i, own_share(&scene->peaks[i], vertex), scene->peaks[i].reach == 0.0, stream, radiance);
-    for (size_t i = 0; i < still->sphere_count; i++)
-        add_sphere(scene, vertex, i, own_share(&scene->sphere_peaks[i], vertex), false, stream, radiance);
+    for (int i = 0; i < PATH_AIM_VERTICES && aim->lamp_count > 0; i++)
+        sum += aim->ratios[i][lamp];
+    return 1.0 / sum;
+}
+
+void path_light_add_one(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                        size_t lamp, struct stream *stream, double radiance[static 3])
+{
+    size_t lights = scene->still->light_count;
+    double share = aimed_share(aim, lamp);
+
+    if (lamp < lights) {
+        // Where light grows without limit, a seldom look would bring too much at once.
+        bool is_seldom = scene->peaks[lamp].reach == 0.0 && !vertex->is_first;
+
+        add_lamp(scene, vertex, lamp, share * own_share(&scene->peaks[lamp], vertex), is_seldom, stream, radiance);
+    } else {
+        lamp -= lights;
+        share *= own_share(&scene->sphere_peaks[lamp], vertex);
+        add_sphere(scene, vertex, lamp, share, false, stream, radiance);
+    }
+}
+
+void path_light_add(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                    struct stream *stream, double radiance[static 3])
+{
+    for (size_t i = 0; i < scene->still->light_count + scene->still->sphere_count; i++)
+        path_light_add_one(scene, vertex, aim, i, stream, radiance);
     if (has_bright_directions(scene)) add_dome(scene, vertex, stream, radiance);
 }
 

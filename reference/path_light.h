@@ -15,8 +15,19 @@ struct path_vertex {
     struct vec3 incoming;        // direction of travel, away from the camera, of length 1
     const struct medium *medium; // that scatters here; borrowed; NULL: none
     bool is_surface;
+    bool is_first;        // of a ray that is seen: no lamp is looked for seldom
+    int aim_vertices;     // of second paths from here; 0: there are none
     struct vec3 normal;   // of a surface: of length 1, towards the path
     double throughput[3]; // with the share that is scattered, without the phase
+};
+
+// By how much more densely a vertex is found in the other ways that look for a lamp (reference/path_aim.h), by the
+// vertex before it at which they part. The zero value is none.
+struct path_aim {
+    size_t lamp_count;           // the still's lights, and its spheres after them; 0: there is no other way
+    int next;                    // that was noted last
+    int left[PATH_AIM_VERTICES]; // vertices for which it still holds
+    double ratios[PATH_AIM_VERTICES][2 * SCENE_LIGHT_LIMIT];
 };
 
 // Per steradian: how a vertex scatters into `direction`, and at the same time how densely directions are drawn.
@@ -24,11 +35,15 @@ double path_vertex_scatter(const struct path_vertex *vertex, struct vec3 directi
 // A direction in which a path goes on.
 struct vec3 path_vertex_draw(const struct path_vertex *vertex, struct stream *stream);
 
-// Adds the light of all lamps and domes, less the shares that belong to the vertex before (reference/path_peak.h) and
-// those that the path's next direction brings. A lamp without a peak from which the vertex scatters little is looked
-// for at random, and counts the more: Russian roulette, Arvo and Kirk, SIGGRAPH 1990.
-void path_light_add(const struct path_scene *scene, const struct path_vertex *vertex, struct stream *stream,
-                    double radiance[static 3]);
+// Adds the light of all lamps and domes, less the shares that belong to the vertex before (reference/path_peak.h),
+// those that the path's next direction brings, and those of other ways to find the vertex. A lamp without a peak from
+// which the vertex scatters little is looked for at random, and counts the more: Russian roulette, Arvo and Kirk,
+// SIGGRAPH 1990.
+void path_light_add(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                    struct stream *stream, double radiance[static 3]);
+// The same of one lamp alone: the still's lights, and its spheres after them.
+void path_light_add_one(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                        size_t lamp, struct stream *stream, double radiance[static 3]);
 // Adds `share` of the light of one of the still's lights, or of all that one of its spheres brings.
 void path_light_add_lamp(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, double share,
                          struct stream *stream, double radiance[static 3]);

@@ -11,12 +11,16 @@
 
 struct error;
 
+// The most vertices at which a second path looks for its lamp (reference/path_aim.h).
+enum { PATH_AIM_VERTICES = 16 };
+
 // A medium of the air as paths see it.
 struct path_medium {
     const struct medium *medium; // borrowed
     struct majorant majorant;    // of its density
     double sigma;                // tentative collisions per metre and unit of density: at least its extinctions
     bool glows;                  // it has a source of its own
+    int aim_vertices;            // of second paths that begin here; 0: there are none, for it scatters widely
 };
 
 // A place about which light grows without limit: a lamp's. Within `reach` of it (m; 0: nowhere) paths look for the

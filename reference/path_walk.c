@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/path_walk.h"
 
+#include "reference/path_aim.h"
 #include "reference/path_light.h"
 #include "reference/path_peak.h"
 #include "reference/surface.h"
@@ -24,6 +25,8 @@ struct walker {
     double throughput[3];
     int order;                 // scatterings so far
     struct path_vertex vertex; // the last; or the path's beginning
+    struct path_aim aim;
+    bool is_aimed; // a second path, which looks for one lamp alone
     long looks;
 };
 
@@ -72,7 +75,7 @@ static bool is_beginning(const struct walker *walker)
 // True when light counts that arrives straight along the ray from domes and lamps with size.
 static bool meets_light(const struct walker *walker)
 {
-    return !(is_beginning(walker) && walker->walk->is_seen);
+    return !walker->is_aimed && !(is_beginning(walker) && walker->walk->is_seen);
 }
 
 static double sum_of_depths(const struct path_walk *walk, size_t count)
@@ -183,35 +186,12 @@ static bool survives(struct walker *walker)
     return true;
 }
 
-// Collects the light at the vertex and draws where the path goes on; false: it ends.
-static bool scatter(struct walker *walker)
-{
-    const struct path_scene *scene = walker->scene;
-    const struct still *still = scene->still;
-    struct path_vertex *vertex = &walker->vertex;
-
-    walker->order++;
-    for (int c = 0; c < 3; c++)
-        vertex->throughput[c] = walker->throughput[c];
-    if (walker->walk->on_vertex)
-        walker->walk->on_vertex(walker->walk->user, walker->order, vertex->position, walker->throughput);
-    path_light_add(scene, vertex, walker->stream, radiance_of(walker, walker->order));
-    if (walker->order >= scene->orders && !still->has_dome && still->sphere_count == 0) return false;
-    if (!survives(walker)) return false;
-    for (int c = 0; c < 3; c++)
-        vertex->throughput[c] = walker->throughput[c];
-    walker->ray = (struct ray){vertex->position, path_vertex_draw(vertex, walker->stream)};
-    walker->near = 0.0;
-    walker->far = INFINITY;
-    return true;
-}
-
 static void add_glow(struct walker *walker, const struct path_medium *medium, struct vec3 position, double density,
                      double rate)
 {
     double *radiance = radiance_of(walker, walker->order + 1), source[3];
 
-    if (!medium->glows || walker->order >= walker->scene->orders) return;
+    if (!medium->glows || walker->is_aimed || walker->order >= walker->scene->orders) return;
     medium_source(medium->medium, position, density, source);
     for (int c = 0; c < 3; c++)
         radiance[c] += walker->throughput[c] * source[c] / rate;
@@ -245,7 +225,10 @@ static enum event collide(struct walker *walker, const struct path_medium *path_
     for (int c = 0; c < 3; c++)
         walker->throughput[c] = is_scattered ? scattered[c] / chance : passed[c] / (1.0 - chance);
     if (!is_scattered) return survives(walker) ? EVENT_NONE : EVENT_ENDED;
-    walker->vertex = (struct path_vertex){.position = position, .incoming = walker->ray.direction, .medium = medium};
+    walker->vertex = (struct path_vertex){.position = position,
+                                          .incoming = walker->ray.direction,
+                                          .medium = medium,
+                                          .aim_vertices = path_medium->aim_vertices};
     return walker->order < walker->scene->orders ? EVENT_SCATTERED : EVENT_ENDED;
 }
 
@@ -268,6 +251,85 @@ static enum event fly(struct walker *walker, struct stretch *stretch)
         if (event != EVENT_NONE) return event;
         advance(walker, stretch, first);
     }
+}
+
+// Counts the scattering.
+static struct path_vertex *reach_vertex(struct walker *walker)
+{
+    struct path_vertex *vertex = &walker->vertex;
+
+    vertex->is_first = is_beginning(walker) && walker->walk->is_seen;
+    walker->order++;
+    for (int c = 0; c < 3; c++)
+        vertex->throughput[c] = walker->throughput[c];
+    return vertex;
+}
+
+static void leave_vertex(struct walker *walker, struct vec3 direction)
+{
+    for (int c = 0; c < 3; c++)
+        walker->vertex.throughput[c] = walker->throughput[c];
+    path_aim_note(&walker->aim, walker->scene, &walker->vertex, direction);
+    walker->ray = (struct ray){walker->vertex.position, direction};
+    walker->near = 0.0;
+    walker->far = INFINITY;
+}
+
+// Follows a second path to its next vertex; false: it has ended.
+static bool follow_aimed(struct walker *walker, size_t lamp)
+{
+    struct path_vertex *vertex;
+    struct stretch stretch;
+
+    begin_stretch(walker, &stretch);
+    if (stretch.is_inside) return false;
+    draw_collisions(walker, &stretch);
+    if (fly(walker, &stretch) != EVENT_SCATTERED) return false;
+    vertex = reach_vertex(walker);
+    path_light_add_one(walker->scene, vertex, &walker->aim, lamp, walker->stream, radiance_of(walker, walker->order));
+    if (walker->order >= walker->scene->orders || !survives(walker)) return false;
+    leave_vertex(walker, path_vertex_draw(vertex, walker->stream));
+    return true;
+}
+
+static void send_aimed(struct walker *walker)
+{
+    const struct path_vertex *vertex = &walker->vertex;
+    size_t count = vertex->aim_vertices > 0 ? path_aim_count_lamps(walker->scene) : 0;
+
+    for (size_t i = 0; i < count; i++) {
+        struct walker aside;
+
+        if (!(stream_draw(walker->stream) < path_aim_chance(walker->scene, vertex, i))) continue;
+        aside = *walker;
+        aside.is_aimed = true;
+        leave_vertex(&aside, path_aim_draw(walker->scene, vertex, i, walker->stream));
+        for (int k = 0; k < vertex->aim_vertices && follow_aimed(&aside, i); k++)
+            continue;
+        walker->looks = aside.looks;
+        for (int c = 0; c < 3; c++) {
+            walker->within[c] = aside.within[c];
+            walker->beyond[c] = aside.beyond[c];
+        }
+    }
+}
+
+// Collects the light at the vertex and draws where the path goes on; false: it ends.
+static bool scatter(struct walker *walker)
+{
+    const struct path_scene *scene = walker->scene;
+    const struct still *still = scene->still;
+    struct path_vertex *vertex = reach_vertex(walker);
+
+    if (walker->walk->on_vertex)
+        walker->walk->on_vertex(walker->walk->user, walker->order, vertex->position, walker->throughput);
+    if (vertex->is_surface) walker->aim = (struct path_aim){0}; // second paths end at surfaces
+    path_light_add(scene, vertex, &walker->aim, walker->stream, radiance_of(walker, walker->order));
+    if (walker->order >= scene->orders && !still->has_dome && still->sphere_count == 0) return false;
+    if (!survives(walker)) return false;
+    if (walker->order < scene->orders) send_aimed(walker);
+    leave_vertex(walker, path_vertex_draw(vertex, walker->stream));
+    return true;
 }
 
 // False: the surface is not followed, since light was scattered as often as it may.

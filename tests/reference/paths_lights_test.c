@@ -35,7 +35,7 @@ static struct paths_light measure(const struct still *still, int orders, long co
 {
     struct paths_light light;
 
-    assert_true(paths_measure_pixel(still, orders, 2, 2, count, 6, &light));
+    assert_true(paths_measure_pixel(still, orders, 2, 2, count, 5, &light));
     return light;
 }
 

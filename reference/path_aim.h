@@ -1,0 +1,22 @@
+// Second paths towards where lamps' light comes from, for media that scatter in narrow lobes.
+// SPDX-License-Identifier: Apache-2.0
+// A vertex sees a lamp brightly only if its path flies along the lamp's light, into which a narrow lobe rarely turns.
+// So some vertices send a second path whose first direction is drawn by the phase about a lamp, and which looks for
+// that lamp alone at its next few vertices. What vertices see of a lamp counts by the balance heuristic over all ways
+// in which they may have been found: Veach and Guibas, SIGGRAPH 1995.
+#pragma once
+
+#include "reference/path_light.h"
+#include "reference/stream.h"
+
+// Lamps are the still's lights, and its spheres after them.
+size_t path_aim_count_lamps(const struct path_scene *scene);
+// The chance that a vertex sends a second path for a lamp. It follows from places and directions alone, so that all
+// ways to find a vertex know the same.
+double path_aim_chance(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp);
+// The direction in which such a path begins.
+struct vec3 path_aim_draw(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp,
+                          struct stream *stream);
+// Notes that a path goes on from the vertex along `direction`, however that was drawn.
+void path_aim_note(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex,
+                   struct vec3 direction);
