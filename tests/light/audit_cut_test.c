@@ -48,7 +48,7 @@ static struct job_quality coarsest_quality(const struct job *job)
     plan_scene_init(&scene, job);
     while (!plan_family_serves(&plan_families[family], &scene))
         family++;
-    return plan_family_quality(&plan_families[family], &scene, &(struct plan_point){{0}});
+    return plan_family_quality(&plan_families[family], &scene, &(struct plan_point){.rungs = {0}});
 }
 
 static struct image draw(struct gl_stage stage, const struct job *job)

@@ -69,7 +69,7 @@ static struct job_quality settings_at(const struct plan_family *family, const st
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     int count = plan_family_axes(family, scene, axes);
-    struct plan_point point = {{0}};
+    struct plan_point point = {.rungs = {0}};
 
     for (int i = 0; i < count; i++) {
         int last = plan_axis_last_rung(axes[i], scene),

@@ -309,6 +309,7 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
     for (int i = 0; i < count; i++)
         set_axis(&quality, axes[i], scene, point->rungs[i]);
+    if (point->is_from_lights && quality.scatter_grid > 0) quality.scatter_from = JOB_SCATTER_FROM_LIGHTS;
     // A job that has lights needs a light_step even where nothing scatters their light, if its method has one.
     if (scene->job->scene.light_count > 0 && !scene->has_lights && family->method != JOB_METHOD_EQUIANGULAR &&
         family->method != JOB_METHOD_CACHED)
@@ -319,7 +320,7 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
 bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene)
 {
     struct json_node nowhere = json_node_root(NULL);
-    struct plan_point middle = {{8, 8, 8, 4, 0, 4, 4}};
+    struct plan_point middle = {.rungs = {8, 8, 8, 4, 0, 4, 4}};
     struct job planned = *scene->job;
 
     if (!family->serves(scene)) return false;
@@ -360,7 +361,7 @@ struct plan_point plan_family_start(const struct plan_family *family, const stru
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     int count = plan_family_axes(family, scene, axes);
-    struct plan_point start = {{0}};
+    struct plan_point start = {.rungs = {0}};
 
     for (int i = 0; i < count; i++) {
         int rung = start_rung(axes[i], level), last = plan_axis_last_rung(axes[i], scene);
@@ -458,6 +459,7 @@ static double scatter_work(const struct plan_scene *scene, const struct job_qual
     double each = quality->paths * scene->path_flights * (density + 1.0);
 
     if (quality->method == JOB_METHOD_PATHS) return quality->light_grid > 0 ? LOOKED_UP * each : each;
+    if (quality->scatter_from == JOB_SCATTER_FROM_LIGHTS) each *= SCATTER_PARTICLE;
     return pow(quality->scatter_grid, 3) * each / (scene->pixels * quality->samples);
 }
 

@@ -97,14 +97,28 @@ bool plan_list_render(const struct plan_params *params, const struct job *job, i
                   error);
 }
 
-bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
-                         int32_t frame, struct image *image, struct renderer_result *result, struct error *error)
+static bool render_single(const struct plan_lattice *lattice, enum renderer_stream stream,
+                          const struct plan_params *params, const struct job *job, int32_t frame, struct image *image,
+                          struct renderer_result *result, struct error *error)
 {
+    const struct list list = {lattice->pixels, lattice->columns, lattice->rows, stream};
     struct job single = *job;
 
     single.quality.samples = 1;
-    return render(&(struct list){lattice->pixels, lattice->columns, lattice->rows, RENDERER_STREAM_PLAN}, params,
-                  &single, frame, image, result, error);
+    return render(&list, params, &single, frame, image, result, error);
+}
+
+bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
+                         int32_t frame, struct image *image, struct renderer_result *result, struct error *error)
+{
+    return render_single(lattice, RENDERER_STREAM_PLAN, params, job, frame, image, result, error);
+}
+
+bool plan_lattice_render_again(const struct plan_lattice *lattice, const struct plan_params *params,
+                               const struct job *job, int32_t frame, struct image *image,
+                               struct renderer_result *result, struct error *error)
+{
+    return render_single(lattice, RENDERER_STREAM_PLAN_AGAIN, params, job, frame, image, result, error);
 }
 
 void plan_lattice_find(const struct plan_lattice *lattice, const struct pixel *points, size_t count,

@@ -33,6 +33,10 @@ size_t plan_lattice_count(const struct plan_lattice *lattice);
 // than the frame's. The image is allocated anew if its size or channels differ. On failure `result` has the fault.
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
                          int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
+// The same with random paths that are independent of those.
+bool plan_lattice_render_again(const struct plan_lattice *lattice, const struct plan_params *params,
+                               const struct job *job, int32_t frame, struct image *image,
+                               struct renderer_result *result, struct error *error);
 // The same for any list of pixels and an image of columns x rows, which are as many, with all samples of the job: each
 // pixel is as the frame has it.
 bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,

@@ -72,7 +72,7 @@ static bool find_point(const struct plan_family *family, const struct plan_scene
     int count = plan_family_axes(family, scene, axes);
     struct job_quality found;
 
-    *point = (struct plan_point){{0}};
+    *point = (struct plan_point){.is_from_lights = quality->scatter_from == JOB_SCATTER_FROM_LIGHTS};
     for (int i = 0; i < count; i++) {
         int last = plan_axis_last_rung(axes[i], scene);
 

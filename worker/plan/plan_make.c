@@ -263,7 +263,7 @@ static void describe(struct plan *plan, const struct job *job, const struct choi
 static void force(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
 {
     if (params->choice == PLAN_CHOICE_COARSEST) {
-        plan->point = (struct plan_point){{0}};
+        plan->point = (struct plan_point){.rungs = {0}};
         plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
     }
     if (params->choice == PLAN_CHOICE_FINEST) (void)plan_refine(plan, params->job, FINEST_RUNGS);

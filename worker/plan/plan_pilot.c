@@ -105,7 +105,7 @@ static const struct plan_family *find_finest(const struct plan_pilot *pilot)
         bool is_of_second_order =
             family->method == JOB_METHOD_EQUIANGULAR || family->method == JOB_METHOD_MIDPOINT ||
             (family->method == JOB_METHOD_CACHED &&
-             plan_family_quality(family, &pilot->scene, &(struct plan_point){{0}}).density_grid == 0);
+             plan_family_quality(family, &pilot->scene, &(struct plan_point){.rungs = {0}}).density_grid == 0);
 
         if (is_of_second_order && plan_family_serves(family, &pilot->scene)) return family;
     }
@@ -120,7 +120,7 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
     static const double STRICT = 5e-3;
     bool is_strict = pilot->params->job->quality.tolerance < STRICT;
     enum plan_axis axes[PLAN_AXIS_LIMIT];
-    struct plan_point point = {{0}};
+    struct plan_point point = {.rungs = {0}};
     int count = plan_family_axes(family, &pilot->scene, axes);
 
     for (int i = 0; i < count; i++) {

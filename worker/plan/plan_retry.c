@@ -189,7 +189,7 @@ static bool enter_family(const struct plan_retry *retry, const struct plan *plan
     entered->family = family;
     count = plan_retry_axes(retry, entered, axes);
     for (int drop = 0; drop <= DROP_LIMIT; drop++) {
-        struct plan_point point = {{0}};
+        struct plan_point point = {.rungs = {0}};
 
         for (int i = 0; i < count; i++) {
             int last = plan_axis_last_rung(axes[i], &retry->scene), rung = rung_like(retry, plan, axes[i]) - drop;

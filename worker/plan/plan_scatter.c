@@ -2,11 +2,13 @@
 #include "worker/plan/plan_scatter.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/scene/light_rules.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
+#include "worker/model/scene_features.h"
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
@@ -18,9 +20,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum {
-    PIXELS = 16 * 12,   // of each frame
+    PIXELS = 16 * 12, // of each frame; more where
+    LIT = 64,         // fewer than that would make up its light,
+    PIXELS_MOST = 32 * 24,
     LIGHT_GRID_RUNG = 6 // of paths: 64 cells, whose error is a few thousandths of the light
 };
 
@@ -28,15 +33,23 @@ enum {
 static const double SHARE = 0.65, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
-static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
+static const double ACCURACY_SHARE = 0.5, ROUGH_ACCURACY = 0.1;
 static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
 static const double PATHS_MOST = 6e6;  // that the search may trace: some seconds of a processor
 
 struct frame {
     int32_t number;
-    struct truth_pixel truth[PIXELS];
-    double light; // mean square
+    struct truth_pixel *truth; // owned; of the lattice's pixels
+    double light;              // mean square
 };
+
+// What random paths of one kind take, as the measurement of the most of them told.
+struct pace {
+    double paths;               // that were measured
+    double processor_s, wall_s; // for all of them
+};
+
+enum pace_kind { PACE_NODES, PACE_LIGHTS, PACE_PIXELS, PACE_KINDS };
 
 struct plan_scatter {
     const struct plan_params *params; // borrowed
@@ -48,6 +61,7 @@ struct plan_scatter {
     int worst;          // the frame that the search measures
     struct plan *plan;  // that is completed
     size_t paths_family;
+    struct pace paces[PACE_KINDS];
     enum renderer_fault fault;
     struct error error;
 };
@@ -102,34 +116,81 @@ static bool measure_truth(struct plan_scatter *scatter, const struct job *job, i
     return false;
 }
 
+// A few paths tell how bright the pixels are.
+static const struct integrate_accuracy LEAST_ACCURACY = {.relative = 10.0, .floor = AUDIT_BLACK};
+
+// How many pixels of equal brightness would have the sums of the squares and of the fourth powers.
+static double count_lit(const struct truth_pixel *pixels, size_t count)
+{
+    double squares = 0.0, fourths = 0.0;
+
+    for (size_t i = 0; i < count; i++) {
+        double square = mean_square(&pixels[i], 1);
+
+        squares += square;
+        fourths += square * square;
+    }
+    return fourths > 0.0 ? squares * squares / fourths : (double)count;
+}
+
+// Where few pixels have most of the light, errors would be known by few: the lattice becomes finer.
+static bool choose_lattice(struct plan_scatter *scatter)
+{
+    const struct plan_segment *segment = &scatter->params->segment;
+    struct truth_pixel *pixels;
+    double lit = LIT;
+    bool ok;
+
+    plan_lattice_init(&scatter->lattice, scatter->params->job, PIXELS);
+    pixels = xcalloc(pixel_count(scatter), sizeof *pixels);
+    ok = measure_truth(scatter, &scatter->job, segment->pilot[segment->pilot_count / 2], &LEAST_ACCURACY, pixels);
+    if (ok) lit = count_lit(pixels, pixel_count(scatter));
+    free(pixels);
+    if (lit >= LIT) return ok;
+    plan_lattice_finish(&scatter->lattice);
+    plan_lattice_init(&scatter->lattice, scatter->params->job, (int)fmin(PIXELS * LIT / fmax(lit, 1.0), PIXELS_MOST));
+    return true;
+}
+
+// `first` is the job of the first order, whose light is measured in `alone`.
+static bool measure_light(struct plan_scatter *scatter, const struct job *first, struct frame *frame,
+                          struct truth_pixel *alone)
+{
+    struct integrate_accuracy accuracy = {.relative = ACCURACY_SHARE * scatter->params->job->quality.tolerance};
+    size_t count = pixel_count(scatter);
+    double share;
+
+    // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
+    if (!measure_truth(scatter, &scatter->job, frame->number, &LEAST_ACCURACY, frame->truth)) return false;
+    accuracy.floor = fmax(FLOOR_SHARE * sqrt(mean_square(frame->truth, count)), AUDIT_BLACK);
+    if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth) ||
+        !measure_truth(scatter, first, frame->number,
+                       &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
+        return false;
+    frame->light = mean_square(frame->truth, count);
+    share = frame->light > 0.0 ? sqrt(mean_square(alone, count) / frame->light) : 1.0;
+    scatter->first_share = fmax(scatter->first_share, share);
+    return true;
+}
+
 static bool measure_all(struct plan_scatter *scatter)
 {
     const struct plan_segment *segment = &scatter->params->segment;
     struct job first = first_of(&scatter->job);
-    const struct integrate_accuracy least = {.relative = 10.0, .floor = AUDIT_BLACK};
-    struct truth_pixel alone[PIXELS];
-    size_t count = pixel_count(scatter);
-    double most = 0.0;
+    struct truth_pixel *alone;
+    bool ok = true;
 
-    for (int i = 0; i < segment->pilot_count; i++) {
+    if (!choose_lattice(scatter)) return false;
+    alone = xcalloc(pixel_count(scatter), sizeof *alone);
+    for (int i = 0; i < segment->pilot_count && ok; i++) {
         struct frame *frame = &scatter->frames[scatter->frame_count++];
-        struct integrate_accuracy accuracy = {.relative = ACCURACY_SHARE * scatter->params->job->quality.tolerance};
-        double share;
 
         frame->number = segment->pilot[i];
-        // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
-        if (!measure_truth(scatter, &scatter->job, frame->number, &least, frame->truth)) return false;
-        accuracy.floor = fmax(FLOOR_SHARE * sqrt(mean_square(frame->truth, count)), AUDIT_BLACK);
-        if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth) ||
-            !measure_truth(scatter, &first, frame->number,
-                           &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
-            return false;
-        frame->light = mean_square(frame->truth, count);
-        share = frame->light > 0.0 ? sqrt(mean_square(alone, count) / frame->light) : 1.0;
-        most = fmax(most, share);
+        frame->truth = xcalloc(pixel_count(scatter), sizeof *frame->truth);
+        ok = measure_light(scatter, &first, frame, alone);
     }
-    scatter->first_share = most;
-    return true;
+    free(alone);
+    return ok;
 }
 
 struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum renderer_fault *fault,
@@ -140,7 +201,6 @@ struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum 
     scatter->params = params;
     scatter->job = *params->job;
     scatter->job.quality.samples = 1;
-    plan_lattice_init(&scatter->lattice, params->job, PIXELS);
     *fault = RENDERER_FAULT_NONE;
     if (measure_all(scatter)) return scatter;
     *fault = scatter->fault;
@@ -152,6 +212,8 @@ struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum 
 void plan_scatter_destroy(struct plan_scatter *scatter)
 {
     if (!scatter) return;
+    for (int i = 0; i < scatter->frame_count; i++)
+        free(scatter->frames[i].truth);
     plan_lattice_finish(&scatter->lattice);
     free(scatter);
 }
@@ -166,81 +228,170 @@ struct job plan_scatter_first_job(const struct plan_scatter *scatter)
 }
 
 // Writes a setting of the scattered light into the plan.
-static void set_point(const struct plan_scatter *scatter, struct plan *plan, int grid_rung, int path_rung)
+static void set_point(const struct plan_scatter *scatter, struct plan *plan, const struct scatter_setting *setting)
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     struct plan_scene scene;
     int count;
 
     plan_scene_init(&scene, scatter->params->job);
-    if (grid_rung == SCATTER_PIXELS) {
+    if (setting->grid_rung == SCATTER_PIXELS) {
         plan->family = scatter->paths_family;
-        plan->point = (struct plan_point){{0}};
+        plan->point = (struct plan_point){.rungs = {0}};
     }
+    plan->point.is_from_lights = setting->is_from_lights;
     count = plan_family_axes(&plan_families[plan->family], &scene, axes);
     for (int i = 0; i < count; i++) {
-        if (axes[i] == PLAN_AXIS_SCATTER_GRID) plan->point.rungs[i] = grid_rung;
-        if (axes[i] == PLAN_AXIS_LIGHT_GRID && grid_rung == SCATTER_PIXELS) plan->point.rungs[i] = LIGHT_GRID_RUNG;
-        if (axes[i] == PLAN_AXIS_NODE_PATHS || axes[i] == PLAN_AXIS_PIXEL_PATHS) plan->point.rungs[i] = path_rung;
+        if (axes[i] == PLAN_AXIS_SCATTER_GRID) plan->point.rungs[i] = setting->grid_rung;
+        if (axes[i] == PLAN_AXIS_LIGHT_GRID && setting->grid_rung == SCATTER_PIXELS)
+            plan->point.rungs[i] = LIGHT_GRID_RUNG;
+        if (axes[i] == PLAN_AXIS_NODE_PATHS || axes[i] == PLAN_AXIS_PIXEL_PATHS)
+            plan->point.rungs[i] = setting->path_rung;
     }
     plan->quality = plan_family_quality(&plan_families[plan->family], &scene, &plan->point);
 }
 
-// The product of the differences to both halves of the light, so that its noise counts nothing.
-static double square_error(const struct plan_scatter *scatter, const struct frame *frame, const struct image *image)
+// Sums over the pixels of a frame, of squares and of products whose factors have no noise in common.
+struct sums {
+    double off, noise; // of the first picture and of both halves of the light; of the pictures' difference
+    double cells;      // of each picture and another half of the light
+};
+
+static struct sums add_pixels(const struct plan_scatter *scatter, const struct frame *frame, const struct image *first,
+                              const struct image *second)
 {
-    size_t count = pixel_count(scatter);
-    double sum = 0.0;
+    struct sums sums = {0};
 
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < pixel_count(scatter); i++)
         for (size_t c = 0; c < 3; c++) {
-            double off = image->rgba[4 * i + c] - frame->truth[i].rgb[c], half = frame->truth[i].half[c];
+            const struct truth_pixel *truth = &frame->truth[i];
+            double half = truth->half[c], a = first->rgba[4 * i + c] - truth->rgb[c];
+            double b = second ? second->rgba[4 * i + c] - truth->rgb[c] : a;
 
-            sum += off * off - half * half;
+            sums.off += a * a - half * half;
+            sums.noise += 0.5 * (a - b) * (a - b);
+            // The mean of (a - half) (b + half) and (a + half) (b - half).
+            sums.cells += a * b - half * half;
         }
-    sum /= 3.0 * (double)count;
-    return frame->light > AUDIT_BLACK * AUDIT_BLACK ? sum / frame->light : sum;
+    return sums;
 }
 
-static bool measure_frame(struct plan_scatter *scatter, const struct plan *plan, int index, double *square)
+// Of a sum over the pixels, the square of a relative RMSE.
+static double relative_of(const struct plan_scatter *scatter, const struct frame *frame, double sum)
 {
-    struct frame *frame = &scatter->frames[index];
+    double mean = sum / (3.0 * (double)pixel_count(scatter));
+
+    return frame->light > AUDIT_BLACK * AUDIT_BLACK ? mean / frame->light : mean;
+}
+
+typedef bool lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
+                            int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
+
+static bool render(struct plan_scatter *scatter, const struct plan *plan, const struct frame *frame,
+                   lattice_render *lattice_render, struct image *image)
+{
     struct job planned = scatter->job;
     struct renderer_result result;
-    struct image image = {0};
     bool ok;
 
     planned.quality = plan->quality;
     planned.quality.samples = 1;
-    ok = plan_lattice_render(&scatter->lattice, scatter->params, &planned, frame->number, &image, &result,
-                             &scatter->error);
+    ok = lattice_render(&scatter->lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
     scatter->fault = result.fault;
-    *square = ok ? square_error(scatter, frame, &image) : INFINITY;
+    return ok;
+}
+
+// The product of the differences to both halves of the light, so that its noise counts nothing.
+static bool measure_frame(struct plan_scatter *scatter, const struct plan *plan, int index, double *square)
+{
+    const struct frame *frame = &scatter->frames[index];
+    struct image image = {0};
+    bool ok = render(scatter, plan, frame, plan_lattice_render, &image);
+
+    *square = INFINITY;
+    if (ok) *square = relative_of(scatter, frame, add_pixels(scatter, frame, &image, NULL).off);
     image_finish(&image);
     return ok;
 }
 
-static bool measure(void *user, int grid_rung, int path_rung, double *square)
+static enum pace_kind kind_of(const struct scatter_setting *setting)
+{
+    if (setting->grid_rung == SCATTER_PIXELS) return PACE_PIXELS;
+    return setting->is_from_lights ? PACE_LIGHTS : PACE_NODES;
+}
+
+static double count_paths(const struct scatter_setting *setting, double pixels)
+{
+    double nodes = setting->grid_rung == SCATTER_PIXELS ? pixels : pow(scatter_grid_cells[setting->grid_rung], 3.0);
+
+    return nodes * exp2(setting->path_rung);
+}
+
+// The second picture links and reads nothing: its time is that of its paths.
+static bool render_again(struct plan_scatter *scatter, const struct scatter_setting *setting, const struct plan *plan,
+                         const struct frame *frame, struct image *image)
+{
+    struct pace *pace = &scatter->paces[kind_of(setting)], now;
+    double processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_read_s(CLOCK_MONOTONIC);
+
+    if (!render(scatter, plan, frame, plan_lattice_render_again, image)) return false;
+    now = (struct pace){.paths = count_paths(setting, (double)pixel_count(scatter)),
+                        .processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - processor_s,
+                        .wall_s = clock_read_s(CLOCK_MONOTONIC) - wall_s};
+    if (now.paths >= pace->paths) *pace = now;
+    return true;
+}
+
+// Two pictures tell the noise by their difference, and by their product with the two halves of the light what has none.
+static bool measure(void *user, const struct scatter_setting *setting, struct scatter_measured *measured)
 {
     struct plan_scatter *scatter = user;
+    const struct frame *frame = &scatter->frames[scatter->worst];
     struct plan tried = *scatter->plan;
+    struct image first = {0}, second = {0};
+    bool ok;
 
-    set_point(scatter, &tried, grid_rung, path_rung);
-    if (!measure_frame(scatter, &tried, scatter->worst, square) && renderer_fault_is_final(scatter->fault))
-        return false;
-    log_debug("plan: scattered light by %d cells, %d paths: error %.2e", tried.quality.scatter_grid,
-              tried.quality.paths, sqrt(fmax(*square, 0.0)));
-    return true;
+    set_point(scatter, &tried, setting);
+    ok = render(scatter, &tried, frame, plan_lattice_render, &first) &&
+         render_again(scatter, setting, &tried, frame, &second);
+    *measured = (struct scatter_measured){.cells = INFINITY, .noise = INFINITY};
+    if (ok) {
+        struct sums sums = add_pixels(scatter, frame, &first, &second);
+
+        measured->noise = relative_of(scatter, frame, sums.noise);
+        measured->cells = relative_of(scatter, frame, sums.cells);
+        log_debug("plan: scattered light by %d cells, %d paths%s: error of cells %.2e, noise %.2e",
+                  tried.quality.scatter_grid, tried.quality.paths, setting->is_from_lights ? " from the lights" : "",
+                  sqrt(fmax(measured->cells, 0.0)), sqrt(measured->noise));
+    }
+    image_finish(&second);
+    image_finish(&first);
+    return ok || !renderer_fault_is_final(scatter->fault);
+}
+
+// Whether a grid may be filled from the lights where the scene alone would not have it so. Media's own light is not
+// sent; spheres and images of domes always are.
+static bool may_choose(const struct job *job)
+{
+    for (size_t i = 0; i < job->scene.light_count; i++) {
+        const struct scene_light *light = &job->scene.lights[i];
+
+        if (light->kind == SCENE_LIGHT_SPHERE ||
+            (light->kind == SCENE_LIGHT_DOME && light->dome.kind == SCENE_DOME_FILE))
+            return false;
+    }
+    return job->scene.light_count > 0 && !scene_features_of(job, NULL).has_emission;
 }
 
 // The frame with the largest error of the cheapest setting is the one that the search measures.
 static bool find_worst(struct plan_scatter *scatter, bool has_grid)
 {
-    enum { GRID_RUNG = 4, PATH_RUNG = 6 };
+    static const struct scatter_setting GRID = {.grid_rung = 4, .path_rung = 6},
+                                        PIXEL = {.grid_rung = SCATTER_PIXELS, .path_rung = 6};
     struct plan tried = *scatter->plan;
     double most = -INFINITY;
 
-    set_point(scatter, &tried, has_grid ? GRID_RUNG : SCATTER_PIXELS, PATH_RUNG);
+    set_point(scatter, &tried, has_grid ? &GRID : &PIXEL);
     for (int i = 0; i < scatter->frame_count && scatter->frame_count > 1; i++) {
         double square;
 
@@ -267,13 +418,13 @@ static void describe(struct plan *plan, const struct scatter_finding *finding)
     char reason[PLAN_REASON_SIZE];
 
     memcpy(reason, plan->reason, sizeof reason);
-    if (finding->grid_rung == SCATTER_PIXELS)
+    if (finding->setting.grid_rung == SCATTER_PIXELS)
         snprintf(plan->reason, sizeof plan->reason, "%d paths of each pixel: no grid of scattered light is cheaper",
                  plan->quality.paths);
     else
-        snprintf(plan->reason, sizeof plan->reason,
-                 "%d cells of scattered light with %d paths each; first order: %.200s", plan->quality.scatter_grid,
-                 plan->quality.paths, reason);
+        snprintf(plan->reason, sizeof plan->reason, "%d cells of scattered light with %d %s each; first order: %.200s",
+                 plan->quality.scatter_grid, plan->quality.paths,
+                 finding->setting.is_from_lights ? "particles from the lights" : "paths", reason);
 }
 
 // The errors of the first order become those of all.
@@ -283,9 +434,22 @@ static void predict(struct plan *plan, const struct plan_scatter *scatter, const
 
     plan->predicted_error = fmax(plan->predicted_error * light, finding->error);
     for (int i = 0; i < plan->scouting.count; i++)
-        plan->scouting.error[i] = finding->grid_rung == SCATTER_PIXELS
+        plan->scouting.error[i] = finding->setting.grid_rung == SCATTER_PIXELS
                                       ? finding->error
                                       : hypot(plan->scouting.error[i] * light, finding->error);
+}
+
+// Seconds of a frame by the pace of its paths. No plan depends on them.
+static void foretell(struct plan *plan, const struct plan_scatter *scatter, const struct scatter_setting *setting)
+{
+    const struct job *job = scatter->params->job;
+    const struct pace *pace = &scatter->paces[kind_of(setting)];
+    double samples = job->quality.samples > 1 ? job->quality.samples : 1.0, share;
+
+    if (!(pace->paths > 0.0)) return;
+    share = count_paths(setting, samples * job->width_px * job->height_px) / pace->paths;
+    plan->predicted_s = share * pace->wall_s;
+    if (renderer_is_software(scatter->params->renderer)) plan->predicted_processor_s = share * pace->processor_s;
 }
 
 bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum renderer_fault *fault,
@@ -305,6 +469,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
             &(struct scatter_search){.target = SHARE * job->quality.tolerance,
                                      .pixels = (double)job->width_px * job->height_px * job->quality.samples,
                                      .has_grid = has_grid,
+                                     .may_choose = may_choose(job),
                                      .path_max = PATHS_MOST,
                                      .list_pixels = (double)pixel_count(scatter),
                                      .measure = measure,
@@ -314,9 +479,10 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
         if (error) *error = scatter->error;
         return false;
     }
-    set_point(scatter, plan, finding.grid_rung, finding.path_rung);
+    set_point(scatter, plan, &finding.setting);
     describe(plan, &finding);
     predict(plan, scatter, &finding);
+    foretell(plan, scatter, &finding.setting);
     plan->work = plan_family_work(&scene, &plan->quality);
     return true;
 }

@@ -13,6 +13,7 @@ enum {
 // A rung of each axis: 0 is the coarsest, and two rungs halve a step.
 struct plan_point {
     int rungs[PLAN_AXIS_LIMIT];
+    int is_from_lights; // 1: particles fill the grid of scattered light (job_quality.scatter_from); no search moves it
 };
 
 enum plan_measured {

@@ -16,17 +16,18 @@ enum {
 static const double CELLS_SHARE = 0.7;
 // Of all paths that may be traced, those of one measurement of a grid: finer grids are to have their turn.
 static const double GRID_PART = 0.25;
-// Of a squared error, what is noise at least: two measurements may agree by chance.
-static const double NOISE_LEAST = 0.1;
 // Linear interpolation's squared error falls by no higher power of the number of cells.
 static const double STEEPEST = 4.0;
+static const double PICTURES = 2.0; // of a measurement
+// Paths of a frame below which another way to fill the grid does not repay its linking and its trial.
+static const double CHOICE_LEAST = 3e5;
 
 struct walk {
     const struct scatter_search *search;
     struct scatter_finding finding;
-    double cost, traced; // of the finding; by all measurements
-    double least;        // the least square that was met
-    bool is_dear;        // no grid was found cheaply
+    double traced; // by all measurements
+    double least;  // the least square that was met
+    bool is_dear;  // no grid was found cheaply
     // The finest grid whose cells alone were too much; 0 cells: none yet.
     int coarse_rung;
     double coarse_cells;
@@ -35,83 +36,55 @@ struct walk {
     double noise;
 };
 
-static double nodes_of(const struct walk *walk, int grid_rung)
+// The number of paths of one rung 0, in walks.
+static double nodes_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    return grid_rung == SCATTER_PIXELS ? walk->search->pixels : pow(scatter_grid_cells[grid_rung], 3.0);
+    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels;
+    return pow(scatter_grid_cells[setting->grid_rung], 3.0) * (setting->is_from_lights ? SCATTER_PARTICLE : 1.0);
 }
 
-static bool measure(struct walk *walk, int grid_rung, int path_rung, double *square)
+static double trial_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
+    double nodes = setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, setting);
 
-    walk->traced += nodes * exp2(path_rung);
-    if (walk->search->measure(walk->search->user, grid_rung, path_rung, square)) return true;
+    return PICTURES * nodes * exp2(setting->path_rung);
+}
+
+static bool measure(struct walk *walk, const struct scatter_setting *setting, struct scatter_measured *measured)
+{
+    walk->traced += trial_of(walk, setting);
+    if (walk->search->measure(walk->search->user, setting, measured)) return true;
     walk->finding.is_stopped = true;
     return false;
 }
 
 static bool has_found_grid(const struct walk *walk)
 {
-    return walk->finding.is_found && walk->finding.grid_rung != SCATTER_PIXELS;
+    return walk->finding.is_found && walk->finding.setting.grid_rung != SCATTER_PIXELS;
 }
 
-// True while a measurement with so many paths is affordable. Where a frame takes many paths by all that is known, a
-// share of them is spent on finding something cheaper.
-static bool is_affordable(const struct walk *walk, int grid_rung, int path_rung)
+// True while a measurement is affordable. Where a frame takes many paths by all that is known, a share of them is spent
+// on finding something cheaper.
+static bool is_affordable(const struct walk *walk, const struct scatter_setting *setting)
 {
     static const double SHARE_OF_FRAME = 0.25;
-    double nodes = grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, grid_rung);
-    double most = walk->search->path_max, paths = nodes * exp2(path_rung);
+    double most = walk->search->path_max, paths = trial_of(walk, setting);
 
-    if (walk->is_dear && isfinite(walk->cost)) most = fmax(most, SHARE_OF_FRAME * walk->cost);
-    if (path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
-    return grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
+    if (walk->is_dear && isfinite(walk->finding.paths)) most = fmax(most, SHARE_OF_FRAME * walk->finding.paths);
+    if (setting->path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
+    return setting->grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }
 
-static void keep(struct walk *walk, int grid_rung, int path_rung, double square)
+static void keep(struct walk *walk, const struct scatter_setting *setting, double square)
 {
-    double cost = nodes_of(walk, grid_rung) * exp2(path_rung), target = walk->search->target;
+    double paths = nodes_of(walk, setting) * exp2(setting->path_rung), target = walk->search->target;
     bool is_within = square <= target * target;
 
-    if (walk->finding.is_found ? !is_within || cost >= walk->cost : !is_within && square >= walk->least) return;
-    walk->finding.grid_rung = grid_rung;
-    walk->finding.path_rung = path_rung;
-    walk->finding.error = sqrt(fmax(square, 0.0));
-    walk->finding.is_found = is_within;
-    walk->cost = cost;
+    if (walk->finding.is_found ? !is_within || paths >= walk->finding.paths : !is_within && square >= walk->least)
+        return;
+    walk->finding = (struct scatter_finding){
+        .setting = *setting, .error = sqrt(fmax(square, 0.0)), .paths = paths, .is_found = is_within};
     walk->least = square;
-}
-
-// The parts of a squared error that paths leave, and that the grid's cells do.
-struct parts {
-    double noise, cells;
-    double fallen; // the noise by the measurements' difference alone
-};
-
-// The noise of a grid as other grids tell it; 0 before they do.
-static double expect_noise(const struct walk *walk, int grid_rung, int path_rung)
-{
-    return walk->noise / scatter_grid_cells[grid_rung] * exp2(-path_rung);
-}
-
-// `coarse` was measured with so many rungs of paths fewer than `fine`: the more, the less does chance in what they are
-// compared with count. They may agree by chance, which looks like the error of cells: what is noise by other grids,
-// `expected`, is not theirs.
-static struct parts split(double coarse, double fine, int rungs, double expected)
-{
-    double fallen = fmax((coarse - fine) / (exp2(rungs) - 1.0), 0.0);
-    double noise = fmax(fallen, NOISE_LEAST * fmax(fine, 0.0));
-
-    return (struct parts){.noise = noise, .cells = fmax(fine - fmax(noise, expected), 0.0), .fallen = fallen};
-}
-
-// Paths of pixels have noise alone, which follows from the mean variance of all paths that were traced.
-static struct parts find_pixel_noise(double coarse, double fine, int rungs)
-{
-    static const double LEAST = 0.5;
-    double noise = (coarse * exp2(-2.0 * rungs) + fine) / (1.0 + exp2(-rungs));
-
-    return (struct parts){.noise = fmax(noise, LEAST * coarse * exp2(-rungs))};
 }
 
 // By how many rungs paths leave no more than `allowed` of the noise.
@@ -131,14 +104,15 @@ static double least_cells(const struct walk *walk, int grid_rung)
     return ratio < 1.0 ? walk->coarse_cells * pow(ratio, STEEPEST) : 0.0;
 }
 
-static void note_grid(struct walk *walk, int grid_rung, int path_rung, const struct parts *parts)
+static void note_grid(struct walk *walk, const struct scatter_setting *setting, const struct scatter_measured *measured)
 {
     double wanted = walk->search->target * walk->search->target;
 
-    walk->noise = fmax(walk->noise, parts->fallen * exp2(path_rung) * scatter_grid_cells[grid_rung]);
-    if (parts->cells <= CELLS_SHARE * wanted) return;
-    walk->coarse_rung = grid_rung;
-    walk->coarse_cells = parts->cells / (1.0 - NOISE_LEAST);
+    walk->noise =
+        fmax(walk->noise, measured->noise * exp2(setting->path_rung) * scatter_grid_cells[setting->grid_rung]);
+    if (measured->cells <= CELLS_SHARE * wanted) return;
+    walk->coarse_rung = setting->grid_rung;
+    walk->coarse_cells = measured->cells;
 }
 
 // Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
@@ -147,57 +121,107 @@ static void guess_grid(struct walk *walk, int rung)
     double wanted = walk->search->target * walk->search->target;
 
     for (; walk->coarse_cells > 0.0 && rung <= GRID_GUESSED; rung++) {
-        double cells = least_cells(walk, rung);
-        double noise = expect_noise(walk, rung, 0);
+        double cells = least_cells(walk, rung), noise = walk->noise / scatter_grid_cells[rung];
         int paths;
 
         if (cells > CELLS_SHARE * wanted) continue;
         paths = find_rungs(noise, wanted - cells, 0);
-        keep(walk, rung, paths, cells + noise * exp2(-paths));
+        keep(walk, &(struct scatter_setting){.grid_rung = rung, .path_rung = paths}, cells + noise * exp2(-paths));
         return;
     }
 }
 
 // True where the cells alone are over their share, and so much that chance does not matter.
-static bool is_too_coarse(const struct parts *parts, double wanted)
+static bool is_too_coarse(const struct scatter_measured *measured, double wanted)
 {
-    return parts->cells > wanted + parts->noise;
+    return measured->cells > wanted + measured->noise;
 }
 
-// Tries one grid. Paths are quadrupled until their noise is within the target, or they are too many, or do not matter.
-static bool try_grid(struct walk *walk, int grid_rung, int path_rung, struct parts *parts)
+// Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
+// they do not matter. `setting` becomes the one that was measured last.
+static bool measure_grid(struct walk *walk, struct scatter_setting *setting, struct scatter_measured *measured)
 {
-    double wanted = walk->search->target * walk->search->target, coarse, fine;
-    int first = path_rung, by = 0;
+    double wanted = walk->search->target * walk->search->target;
 
-    *parts = (struct parts){.noise = INFINITY};
-    if (!measure(walk, grid_rung, path_rung, &coarse)) return false;
-    while (parts->noise > wanted && !is_too_coarse(parts, wanted) && is_affordable(walk, grid_rung, path_rung + 2)) {
-        if (!measure(walk, grid_rung, path_rung + 2, &fine)) return false;
-        if (isinf(fine)) break;
-        path_rung += 2;
-        if (grid_rung == SCATTER_PIXELS) { // their noise is known by then
-            *parts = find_pixel_noise(coarse, fine, path_rung - first);
-            break;
-        }
-        *parts = split(coarse, fine, path_rung - first, expect_noise(walk, grid_rung, path_rung));
+    if (!measure(walk, setting, measured)) return false;
+    while (isfinite(measured->noise) && measured->noise > wanted && !is_too_coarse(measured, wanted)) {
+        struct scatter_setting next = *setting;
+        struct scatter_measured finer;
+
+        next.path_rung += find_rungs(measured->noise, fmax(wanted, 0.5 * measured->cells), setting->path_rung);
+        while (next.path_rung > setting->path_rung && !is_affordable(walk, &next))
+            next.path_rung--;
+        if (next.path_rung == setting->path_rung) break;
+        if (!measure(walk, &next, &finer)) return false;
+        if (isinf(finer.noise)) break;
+        *setting = next;
+        *measured = finer;
     }
-    if (isinf(parts->noise)) return true;
-    if (grid_rung != SCATTER_PIXELS) note_grid(walk, grid_rung, path_rung, parts);
-    if (parts->cells <= CELLS_SHARE * wanted) by = find_rungs(parts->noise, wanted - parts->cells, path_rung);
-    keep(walk, grid_rung, path_rung + by, parts->cells + parts->noise * exp2(-by));
     return true;
+}
+
+// Tries one grid, which is kept where it is the cheapest.
+static bool try_grid(struct walk *walk, struct scatter_setting setting, struct scatter_measured *measured)
+{
+    double wanted = walk->search->target * walk->search->target, cells;
+
+    if (!measure_grid(walk, &setting, measured)) return false;
+    if (isinf(measured->noise)) return true;
+    cells = fmax(measured->cells, 0.0);
+    if (!setting.is_from_lights) note_grid(walk, &setting, measured);
+    if (cells <= CELLS_SHARE * wanted) {
+        int by = find_rungs(measured->noise, wanted - cells, setting.path_rung);
+
+        setting.path_rung += by;
+        keep(walk, &setting, cells + measured->noise * exp2(-by));
+    } else {
+        keep(walk, &setting, cells + measured->noise);
+    }
+    return true;
+}
+
+// Paths of pixels have noise alone, which follows from all paths that were traced. Few of them may miss what is bright
+// and rare: a second measurement has four times as many.
+static bool try_pixels(struct walk *walk)
+{
+    static const double LEAST = 0.5;
+    struct scatter_setting setting = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST};
+    struct scatter_measured coarse, fine;
+    double noise, wanted = walk->search->target * walk->search->target;
+    int by;
+
+    if (!measure(walk, &setting, &coarse)) return false;
+    if (isinf(coarse.noise)) return true;
+    noise = coarse.noise;
+    setting.path_rung += 2;
+    if (is_affordable(walk, &setting)) {
+        if (!measure(walk, &setting, &fine)) return false;
+        if (isfinite(fine.noise)) noise = fmax((0.25 * coarse.noise + 4.0 * fine.noise) / 1.25, LEAST * coarse.noise);
+    }
+    setting.path_rung = PIXEL_PATHS_FIRST;
+    by = find_rungs(noise, wanted, setting.path_rung);
+    setting.path_rung += by;
+    keep(walk, &setting, noise * exp2(-by));
+    return true;
+}
+
+static struct scatter_setting first_of(int grid_rung)
+{
+    return (struct scatter_setting){.grid_rung = grid_rung, .path_rung = PATHS_FIRST};
 }
 
 // By how many rungs cells have to be finer. Their squared error falls with the fourth power of their size where light
 // is smooth, and not as quickly elsewhere: one rung less than that.
-static int find_finer(const struct walk *walk, const struct parts *parts, int grid_rung)
+static int find_finer(const struct walk *walk, double cells, int grid_rung)
 {
     double allowed = CELLS_SHARE * walk->search->target * walk->search->target;
-    int by = parts->cells > allowed ? (int)(log2(parts->cells / allowed) / 2.0) : 1;
+    int by = cells > allowed ? (int)(log2(cells / allowed) / 2.0) : 1;
 
-    while (by > 1 && (grid_rung + by >= SCATTER_GRID_RUNGS || !is_affordable(walk, grid_rung + by, PATHS_FIRST + 2)))
-        by--;
+    for (; by > 1; by--) {
+        struct scatter_setting next = first_of(grid_rung + by);
+
+        if (grid_rung + by < SCATTER_GRID_RUNGS && is_affordable(walk, &next)) break;
+    }
     return by > 1 ? by : 1;
 }
 
@@ -205,39 +229,37 @@ static int find_finer(const struct walk *walk, const struct parts *parts, int gr
 // tried.
 static bool try_finer(struct walk *walk, int *rung)
 {
-    struct parts parts;
+    for (;;) {
+        struct scatter_setting setting = first_of(*rung);
+        struct scatter_measured measured;
 
-    while (*rung < SCATTER_GRID_RUNGS && is_affordable(walk, *rung, PATHS_FIRST + 2)) {
-        int tried = *rung;
-
-        if (!try_grid(walk, tried, PATHS_FIRST, &parts)) return false;
-        *rung += find_finer(walk, &parts, tried);
-        if (has_found_grid(walk) && walk->finding.grid_rung < tried) break;
+        if (*rung >= SCATTER_GRID_RUNGS || !is_affordable(walk, &setting)) return true;
+        if (!try_grid(walk, setting, &measured)) return false;
+        *rung += find_finer(walk, measured.cells, setting.grid_rung);
+        if (has_found_grid(walk) && walk->finding.setting.grid_rung < setting.grid_rung) return true;
     }
-    return true;
 }
 
 static bool try_coarser(struct walk *walk)
 {
-    int before = walk->finding.grid_rung;
-    struct parts parts;
+    int before = walk->finding.setting.grid_rung;
+    struct scatter_measured measured;
 
     for (int rung = before - 1; rung >= 0 && walk->finding.is_found && before == rung + 1; rung--) {
-        if (!try_grid(walk, rung, PATHS_FIRST, &parts)) return false;
-        before = walk->finding.grid_rung;
+        if (!try_grid(walk, first_of(rung), &measured)) return false;
+        before = walk->finding.setting.grid_rung;
     }
     return true;
 }
 
-static bool try_all(struct walk *walk)
+static bool try_ways(struct walk *walk)
 {
     int rung = GRID_FIRST;
-    struct parts parts;
 
     if (walk->search->has_grid && !try_finer(walk, &rung)) return false;
     // Pixels cannot need fewer paths than one each.
-    if (!has_found_grid(walk) || walk->cost > walk->search->pixels)
-        if (!try_grid(walk, SCATTER_PIXELS, PIXEL_PATHS_FIRST, &parts)) return false;
+    if (!has_found_grid(walk) || walk->finding.paths > walk->search->pixels)
+        if (!try_pixels(walk)) return false;
     if (!walk->search->has_grid) return true;
     if (has_found_grid(walk)) return try_coarser(walk);
     guess_grid(walk, rung);
@@ -245,13 +267,27 @@ static bool try_all(struct walk *walk)
     return try_finer(walk, &rung);
 }
 
+// Fills the grid that was found from the lights, with as few paths as cost no more than a quarter of it.
+static bool try_lights(struct walk *walk)
+{
+    struct scatter_setting setting = walk->finding.setting;
+    struct scatter_measured measured;
+
+    if (!walk->search->may_choose || setting.grid_rung < 0 || walk->finding.paths < CHOICE_LEAST) return true;
+    setting.is_from_lights = true;
+    setting.path_rung = setting.path_rung > 3 ? setting.path_rung - 3 : 0;
+    walk->is_dear = true;
+    return try_grid(walk, setting, &measured);
+}
+
 struct scatter_finding scatter_search_run(const struct scatter_search *search)
 {
     struct walk walk = {.search = search,
-                        .finding = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST, .error = INFINITY},
-                        .cost = INFINITY,
+                        .finding = {.setting = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST},
+                                    .error = INFINITY,
+                                    .paths = INFINITY},
                         .least = INFINITY};
 
-    (void)try_all(&walk);
+    if (try_ways(&walk)) (void)try_lights(&walk);
     return walk.finding;
 }

@@ -10,28 +10,42 @@ enum {
     SCATTER_PIXELS = -1      // in place of a grid: paths of each pixel
 };
 
+// What a particle from the lights takes, in walks from nodes: docs/rendering.md has the measurements.
+static const double SCATTER_PARTICLE = 2.5;
+
 // The least number of cells first.
 extern const int scatter_grid_cells[SCATTER_GRID_RUNGS];
+
+struct scatter_setting {
+    int grid_rung; // or SCATTER_PIXELS
+    int path_rung;
+    bool is_from_lights; // particles fill the grid, else what the scene has without a choice
+};
+
+// Parts of a picture's squared relative RMSE.
+struct scatter_measured {
+    double cells; // what no number of paths changes; may be negative by chance
+    double noise; // a variance over the number of paths; INFINITY where the setting cannot be rendered
+};
 
 struct scatter_search {
     double target;      // the relative RMSE to keep
     double pixels;      // of a frame, times their samples
     bool has_grid;      // else only pixels have paths
+    bool may_choose;    // a grid may be filled from the lights or from its nodes
     double path_max;    // paths that may be traced for all measurements together
     double list_pixels; // that a measurement traces
-    // Measures the square of the relative RMSE with 2^path_rung paths of each node of that grid (or SCATTER_PIXELS); it
-    // may be negative, and INFINITY where that cannot be rendered. False ends the search.
-    bool (*measure)(void *user, int grid_rung, int path_rung, double *square);
+    // Measures a setting by two pictures. False ends the search.
+    bool (*measure)(void *user, const struct scatter_setting *setting, struct scatter_measured *measured);
     void *user;
 };
 
 struct scatter_finding {
-    int grid_rung; // or SCATTER_PIXELS
-    int path_rung;
+    struct scatter_setting setting;
     double error; // expected
+    double paths; // of a frame, in walks from nodes and pixels
     bool is_found, is_stopped;
 };
 
-// The squared error is that of the grid's cells, which no number of paths changes, and a variance over the number of
-// paths: two measurements tell both. A grid that is too fine to be tried is found by those that are too coarse.
+// A grid that is too fine to be tried is found by those that are too coarse.
 struct scatter_finding scatter_search_run(const struct scatter_search *search);

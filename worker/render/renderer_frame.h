@@ -30,8 +30,9 @@ struct renderer_result {
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 
-// Whose random numbers paths follow: a plan that drew the picture's own would choose numbers by the picture's luck.
-enum renderer_stream { RENDERER_STREAM_PICTURE, RENDERER_STREAM_PLAN };
+// Whose random numbers paths follow: a plan that drew the picture's own would choose numbers by the picture's luck. The
+// difference of a plan's two pictures tells their noise.
+enum renderer_stream { RENDERER_STREAM_PICTURE, RENDERER_STREAM_PLAN, RENDERER_STREAM_PLAN_AGAIN };
 
 // A frame to render, or some of its pixels. All that it points to is borrowed for the call.
 struct renderer_frame {

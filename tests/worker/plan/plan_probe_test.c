@@ -64,7 +64,7 @@ static double find_change(const struct image *a, const struct image *b)
 static void what_is_to_blame_is_told_by_the_frames_own_pixels(void **state)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
-    const struct plan_point point = {{4, 4, 2, 0}};
+    const struct plan_point point = {.rungs = {4, 4, 2, 0}};
     struct plan plan = {.point = point};
     struct plan_params params = {.renderer = stage.renderer};
     double changes[PLAN_AXIS_LIMIT] = {0.0};

@@ -65,7 +65,7 @@ static void the_frame_itself_says_how_deep_its_rays_are(void **state)
 {
     struct stage stage;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
     assert_float_equal(stage.retry.scene.hit_share, 0.5, 0.05);
     for (size_t i = 0; i < stage.retry.scene.depth_count; i++)
         assert_float_equal(stage.retry.scene.depths[i], log(2.0), 1e-6);
@@ -80,7 +80,7 @@ static void only_what_is_to_blame_is_refined(void **state)
         struct stage stage;
         struct plan plan;
 
-        open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+        open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
         plan = stage.plan;
         changes[blamed] = 0.3;
         assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.012));
@@ -98,7 +98,7 @@ static void loops_that_are_cut_become_shorter(void **state)
     struct plan plan;
 
     (void)state;
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{3, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {3, 4, 3}});
     plan = stage.plan;
     assert_true(plan_retry_shorten(&stage.retry, &plan, 2));
     assert_float_equal(plan.quality.light_step, 2.0 * stage.plan.quality.light_step, 1e-9);
@@ -118,7 +118,7 @@ static void nothing_is_refined_where_the_finest_is_to_blame(void **state)
     struct stage stage;
     struct plan plan;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 8}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 8}});
     plan = stage.plan;
     assert_true(plan.quality.min_transmittance == 0.0);
     assert_false(plan_retry_refine(&stage.retry, &plan, changes, 0.012));
@@ -132,7 +132,7 @@ static void all_axes_are_refined_where_none_is_known_to_blame(void **state)
     struct stage stage;
     struct plan plan;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
     plan = stage.plan;
     assert_true(plan_retry_refine(&stage.retry, &plan, unknown, 0.008));
     for (int axis = 0; axis < 3; axis++)
@@ -151,7 +151,7 @@ static void all_renderings_together_stay_within_the_limit(void **state)
             double changes[PLAN_AXIS_LIMIT] = {0.2, 0.1, 0.01}, work = 0.0;
             struct plan plan;
 
-            open_stage(&stage, methods[k], (struct plan_point){{6, 5, 3}});
+            open_stage(&stage, methods[k], (struct plan_point){.rungs = {6, 5, 3}});
             plan = stage.plan;
             for (; stage.retry.count < PLAN_RETRY_LIMIT; stage.retry.count++) {
                 if (!plan_retry_refine(&stage.retry, &plan, changes, errors[i])) break;
@@ -171,7 +171,7 @@ static void little_work_is_no_limit(void **state)
     struct stage stage;
     struct plan plan;
 
-    open_stage(&stage, JOB_METHOD_CACHED, (struct plan_point){{2, 0, 1}});
+    open_stage(&stage, JOB_METHOD_CACHED, (struct plan_point){.rungs = {2, 0, 1}});
     plan = stage.plan;
     assert_true(stage.retry.unit_work > 2.0 * stage.retry.first_work);
     assert_float_equal(stage.retry.unit_work * WIDTH_PX * HEIGHT_PX, PLAN_RETRY_LEAST, 1.0);
@@ -184,7 +184,7 @@ static void more_work_is_a_limit_to_itself(void **state)
 {
     struct stage stage;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{12, 12, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {12, 12, 3}});
     assert_true(stage.retry.unit_work == stage.retry.first_work);
     close_stage(&stage);
 }
@@ -193,7 +193,7 @@ static void small_pictures_cost_little(void **state)
 {
     struct stage stage;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
     plan_retry_spend(&stage.retry, &stage.plan, WIDTH_PX / 4, HEIGHT_PX / 4);
     assert_float_equal(stage.retry.spent_work, stage.retry.first_work / 16.0, 1e-3 * stage.retry.first_work);
     close_stage(&stage);
@@ -204,7 +204,7 @@ static void an_axis_is_varied_towards_less_work(void **state)
     struct stage stage;
     struct plan plan;
 
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 1, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 1, 3}});
     plan = stage.plan;
     plan_retry_vary(&stage.retry, &plan, 0);
     assert_int_equal(plan.point.rungs[0], 4 - PLAN_HALVING_RUNGS);
@@ -220,7 +220,7 @@ static void the_next_family_is_as_fine_where_that_is_allowed(void **state)
     struct stage stage;
     struct plan plan;
 
-    open_stage(&stage, JOB_METHOD_GAUSS, (struct plan_point){{6, 6, 3}});
+    open_stage(&stage, JOB_METHOD_GAUSS, (struct plan_point){.rungs = {6, 6, 3}});
     plan = stage.plan;
     assert_true(plan_retry_change_family(&stage.retry, &plan));
     assert_int_equal(plan.quality.method, JOB_METHOD_ADAPTIVE);
@@ -242,13 +242,13 @@ static void later_frames_are_no_finer_than_needed(void **state)
     struct plan missed, found;
 
     (void)state;
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
     missed = stage.plan;
     found = stage.plan;
-    found.point = (struct plan_point){{10, 7, 3}};
+    found.point = (struct plan_point){.rungs = {10, 7, 3}};
     // From 0.052 over 0.0065 to 0.0008125: half of the way, rounded up.
     plan_retry_settle(&stage.retry, &missed, 0.052, &found, 0.0008125);
-    assert_memory_equal(&found.point, (&(struct plan_point){{7, 6, 3}}), sizeof found.point);
+    assert_memory_equal(&found.point, (&(struct plan_point){.rungs = {7, 6, 3}}), sizeof found.point);
     assert_true(found.quality.step == stage.plan.quality.step * exp2(-1.5));
     close_stage(&stage);
 }
@@ -260,17 +260,17 @@ static void a_plan_that_is_as_fine_as_needed_stays(void **state)
     struct plan other;
 
     (void)state;
-    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){.rungs = {4, 4, 3}});
     for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++) {
         struct plan found = stage.plan;
 
-        found.point = (struct plan_point){{10, 7, 3}};
+        found.point = (struct plan_point){.rungs = {10, 7, 3}};
         plan_retry_settle(&stage.retry, &stage.plan, errors[i][0], &found, errors[i][1]);
         assert_int_equal(found.point.rungs[0], 10);
     }
     other = stage.plan;
     other.family = find_family(JOB_METHOD_GAUSS);
-    other.point = (struct plan_point){{10, 7, 3}};
+    other.point = (struct plan_point){.rungs = {10, 7, 3}};
     plan_retry_settle(&stage.retry, &stage.plan, 0.052, &other, 0.001);
     assert_int_equal(other.point.rungs[0], 10);
     close_stage(&stage);

@@ -87,7 +87,7 @@ static void frames_return_to_settings_that_hold(void **state)
 // A plan that replaced settings of the first family that serves the job.
 static struct plan replacing(const struct job *job)
 {
-    const struct plan_point point = {{7, 3, 5, 2, 1}};
+    const struct plan_point point = {.rungs = {7, 3, 5, 2, 1}};
     struct plan_scene scene;
     size_t family = 0;
 

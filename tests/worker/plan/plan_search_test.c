@@ -60,7 +60,7 @@ static double least_work(const struct terrain *terrain)
 
     for (int i = 0; i <= 20; i++)
         for (int k = 0; k <= 20; k++) {
-            struct plan_point point = {{i, k}};
+            struct plan_point point = {.rungs = {i, k}};
 
             if (error_of(terrain, &point) <= 0.01) least = fmin(least, work(NULL, &point));
         }
@@ -69,7 +69,8 @@ static double least_work(const struct terrain *terrain)
 
 static void the_cheapest_point_is_found_from_anywhere(void **state)
 {
-    static const struct plan_point starts[] = {{{0, 0}}, {{20, 20}}, {{0, 14}}, {{14, 0}}, {{7, 7}}};
+    static const struct plan_point starts[] = {
+        {.rungs = {0, 0}}, {.rungs = {20, 20}}, {.rungs = {0, 14}}, {.rungs = {14, 0}}, {.rungs = {7, 7}}};
 
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++)
         for (int share = -3; share <= 3; share++) {
@@ -87,7 +88,7 @@ static void the_cheapest_point_is_found_from_anywhere(void **state)
 static void few_points_are_measured_far_below_the_target(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 1.0}};
-    struct plan_finding finding = search(&terrain, (struct plan_point){{20, 20}}, INFINITY);
+    struct plan_finding finding = search(&terrain, (struct plan_point){.rungs = {20, 20}}, INFINITY);
 
     (void)state;
     assert_true(finding.work <= 1.25 * least_work(&terrain));
@@ -99,14 +100,14 @@ static void an_axis_that_does_nothing_is_left_coarse(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 0.0}};
 
-    assert_int_equal(search(&terrain, (struct plan_point){{10, 10}}, INFINITY).point.rungs[1], 0);
+    assert_int_equal(search(&terrain, (struct plan_point){.rungs = {10, 10}}, INFINITY).point.rungs[1], 0);
 }
 
 static void points_over_the_work_limit_are_not_measured(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 1.0}};
     double least = least_work(&terrain);
-    struct plan_finding finding = search(&terrain, (struct plan_point){{0, 0}}, 0.5 * least);
+    struct plan_finding finding = search(&terrain, (struct plan_point){.rungs = {0, 0}}, 0.5 * least);
 
     assert_int_equal(finding.found, PLAN_OVER_LIMIT);
     assert_true(finding.work < 0.5 * least);
@@ -115,7 +116,7 @@ static void points_over_the_work_limit_are_not_measured(void **state)
 static void points_that_cannot_be_measured_are_avoided(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 0.1}, .cannot_from = 5};
-    struct plan_finding finding = search(&terrain, (struct plan_point){{8, 8}}, INFINITY);
+    struct plan_finding finding = search(&terrain, (struct plan_point){.rungs = {8, 8}}, INFINITY);
 
     assert_int_equal(finding.found, PLAN_MISSED);
     assert_true(finding.point.rungs[0] < 5 && isfinite(finding.error));
@@ -125,7 +126,7 @@ static void a_search_stops_when_it_is_told(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 1.0}, .stop_after = 3};
 
-    assert_int_equal(search(&terrain, (struct plan_point){{0, 0}}, INFINITY).found, PLAN_GAVE_UP);
+    assert_int_equal(search(&terrain, (struct plan_point){.rungs = {0, 0}}, INFINITY).found, PLAN_GAVE_UP);
     assert_int_equal(terrain.measured, 3);
 }
 

@@ -286,8 +286,9 @@ static void equal_segments_of_equal_pictures_have_one_key(void **state)
 static void an_adopted_plan_refines_the_same_frames(void **state)
 {
     struct job job = cloud_job(0.05);
-    struct plan plan = {
-        .point = {{6, 6, 6}}, .scouting = {.count = 3, .last = 47, .error = {0.001, 0.2, 0.001}}, .reason = "so"};
+    struct plan plan = {.point = {.rungs = {6, 6, 6}},
+                        .scouting = {.count = 3, .last = 47, .error = {0.001, 0.2, 0.001}},
+                        .reason = "so"};
     struct plan_evidence evidence = {.pixel_limit = 576}, adopted_evidence = {0};
     const struct plan_params params = {.job = &job, .segment = plan_segment_of(&job, 0)};
     struct plan_json shared;
@@ -326,7 +327,7 @@ static void settings_are_found_again(void **state)
         job.quality.method = JOB_METHOD_AUTO;
         plan_scene_init(&scene, &job);
         for (size_t family = 0; family < plan_family_count; family++) {
-            struct plan_point point = {{7, 3, 5, 2, 1}}, found_point;
+            struct plan_point point = {.rungs = {7, 3, 5, 2, 1}}, found_point;
             struct job_quality quality, found;
             size_t found_family;
 

@@ -139,7 +139,7 @@ static double work_by_halving(struct tolerance_stage stage, const struct job *jo
 
     plan_scene_init(&scene, job);
     for (int level = 0; !is_within && level < 8; ++level) {
-        struct plan_point point = {{2 * level, 2 * level, 6}};
+        struct plan_point point = {.rungs = {2 * level, 2 * level, 6}};
         struct job planned = *job;
 
         planned.quality = plan_family_quality(family, &scene, &point);
