@@ -16,6 +16,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +38,8 @@ struct telling {
     int64_t plan_began_ms;        // of the plan that is being made; 0: none is
     int64_t plans_ms, plan_count; // of the plans that are made
     int64_t planned_frames;       // that one of them serves; 0: unknown
+    double foretold_s;            // of a frame's rendering, by the latest plan; 0: unknown
+    int64_t foretold_ms;          // when that was known
 };
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
@@ -52,13 +55,23 @@ static double find_frame_ms(const struct telling *telling)
            (double)(rendered - 1);
 }
 
+// By the plan, before a frame is done; negative: unknown.
+static double find_foretold_s(const struct telling *telling, int64_t left)
+{
+    double passed_s = (double)(progress_now_ms() - telling->foretold_ms) / 1000;
+
+    if (!(telling->foretold_s > 0)) return -1;
+    return fmax(telling->foretold_s * (double)left - passed_s, 0);
+}
+
 // Frames as they went so far, and the plans of the segments that are not begun; negative: unknown.
 static double find_eta_s(const struct telling *telling, int64_t total, int64_t left)
 {
     int64_t each = telling->planned_frames, plans = 0;
     double plan_ms = 0;
 
-    if (telling->counts[RENDER_SUCCEEDED] == 0 || left <= 0) return -1;
+    if (left <= 0) return -1;
+    if (telling->counts[RENDER_SUCCEEDED] == 0) return find_foretold_s(telling, left);
     if (telling->plan_count > 0) plan_ms = (double)telling->plans_ms / (double)telling->plan_count;
     if (each > 0) plans = (total + each - 1) / each - (total - left + each - 1) / each;
     return (find_frame_ms(telling) * (double)left + plan_ms * (double)plans) / 1000;
@@ -96,11 +109,26 @@ static void on_phase(void *user, const char *phase, double progress)
     telling->phase_progress = progress;
 }
 
-static void on_planned(void *user, int64_t frame_count)
+// Frames whose light was scattered often may take minutes: that is told before.
+static void foretell(struct telling *telling, double plan_s, double render_s)
+{
+    char *planned = progress_format_duration(plan_s), *frame = progress_format_duration(render_s);
+
+    telling->foretold_s = render_s;
+    telling->foretold_ms = progress_now_ms();
+    progress_display_clear(&telling->display);
+    fprintf(stderr, "planned in %s: a frame's rendering takes about %s here\n", planned, frame);
+    free(planned);
+    free(frame);
+}
+
+static void on_planned(void *user, int64_t frame_count, double render_s)
 {
     struct telling *telling = user;
+    int64_t plan_ms = progress_now_ms() - telling->plan_began_ms;
 
-    telling->plans_ms += progress_now_ms() - telling->plan_began_ms;
+    telling->plans_ms += plan_ms;
+    if (render_s > 0) foretell(telling, (double)plan_ms / 1000, render_s);
     telling->plan_began_ms = 0;
     telling->plan_count++;
     if (frame_count > telling->planned_frames) telling->planned_frames = frame_count; // the last segment may be short

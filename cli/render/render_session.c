@@ -232,14 +232,16 @@ static bool note_phase(const struct session *session, const char *event, const s
 {
     const struct render_session_params *params = session->params;
     struct json_node node = json_node_child(body, "frames"), progress_node = json_node_child(body, "progress");
+    struct json_node seconds = json_node_child(body, "render_s");
     int64_t frame_count = 0;
-    double progress = -1.0;
+    double progress = -1.0, render_s = 0.0;
 
     if (strcmp(event, "planning") == 0) {
         params->on_phase(params->user, "plan", 0.0);
     } else if (strcmp(event, "planned") == 0) {
         json_read_integer(&node, 0, FRAME_COUNT_LIMIT, &frame_count, NULL);
-        params->on_planned(params->user, frame_count);
+        json_read_number(&seconds, 0.0, HUGE_VAL, &render_s, NULL);
+        params->on_planned(params->user, frame_count, render_s);
     } else if (strcmp(event, "phase") == 0) {
         json_read_number(&progress_node, 0.0, 1.0, &progress, NULL);
         params->on_phase(params->user, text_of(body, "phase"), progress);

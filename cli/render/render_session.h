@@ -43,7 +43,8 @@ struct render_session_params {
     void (*on_tick)(void *user); // now and then
     // What the worker does: "link", "plan", "render" or "audit". How much of it is done: 0 to 1; negative: unknown.
     void (*on_phase)(void *user, const char *phase, double progress);
-    void (*on_planned)(void *user, int64_t frame_count);                      // a plan is made that serves so many
+    // A plan is made that serves so many frames, whose rendering is to take so many seconds each; 0: not known.
+    void (*on_planned)(void *user, int64_t frame_count, double render_s);
     void (*on_worker)(void *user, const char *backend, const char *renderer); // a worker is ready
     void (*on_worker_lost)(void *user, const char *why);                      // and replaced
     void *user;

@@ -187,12 +187,13 @@ static void note_pace(struct worker_process *worker, struct job_record *record, 
 }
 
 static void note_planned(struct farm *farm, struct worker_process *worker, struct job_record *record,
-                         int64_t frame_count)
+                         const struct worker_report *report)
 {
     double seconds = pace_end_plan(&worker->pace, uv_hrtime());
 
+    estimate_foretell(&record->estimate, report->foretold_s);
     if (seconds < 0) return;
-    estimate_add_plan(&record->estimate, seconds, frame_count);
+    estimate_add_plan(&record->estimate, seconds, report->planned_frames);
     frame_metrics_note_plan(farm, worker, seconds);
 }
 
@@ -313,7 +314,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         note_phase(farm, record, frame, FRAME_PHASE_PLAN, 0.0);
         return;
     case WORKER_REPORT_PLANNED:
-        note_planned(farm, worker, record, report->planned_frames);
+        note_planned(farm, worker, record, report);
         note_phase(farm, record, frame, FRAME_PHASE_RENDER, 0.0);
         return;
     case WORKER_REPORT_PHASE:

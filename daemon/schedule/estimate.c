@@ -51,6 +51,11 @@ void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_
     if (frame_count > estimate->planned_count) estimate->planned_count = frame_count; // the last segment may be short
 }
 
+void estimate_foretell(struct estimate *estimate, double seconds)
+{
+    if (seconds > 0 && seconds < LONGEST_S) estimate->foretold_s = (float)seconds;
+}
+
 void estimate_add_skip(struct estimate *estimate, double seconds)
 {
     if (!(seconds >= 0 && seconds < LONGEST_S)) return;
@@ -107,9 +112,10 @@ double estimate_eta_s(struct estimate *estimate, int64_t total, int64_t left, in
     double each_s;
 
     if (left <= 0) return 0;
-    if (workers < 1 || estimate->count == 0) return -1;
+    if (workers < 1 || (estimate->count == 0 && !(estimate->foretold_s > 0))) return -1;
     rounds = (left + workers - 1) / workers;
     each_s = estimate->pace_count > 0 ? (double)estimate->pace_s : estimate_median_s(estimate);
+    if (estimate->count == 0) each_s = (double)estimate->foretold_s;
     if (estimate->pace_weight > 0)
         each_s *= fmax(1.0 + estimate->carried / (double)left, LEAST_LEFT) / (double)estimate->pace_weight;
     return each_s * (double)rounds + (double)estimate->plan_s * (double)count_plans(estimate, total, left);

@@ -19,6 +19,7 @@ struct estimate {
     float pace_weight;     // of the frames in between
     double carried;        // frames of weight 1 that are left over, for those that are done had less
     float plan_s;          // a plan
+    float foretold_s;      // a frame, by its plan, until one is done
     int64_t planned_count; // frames of a segment, which one plan serves
     uint8_t pace_count, plan_count, skip_count;
     float skip_s;      // a skipped frame
@@ -34,6 +35,8 @@ void estimate_add_pace(struct estimate *estimate, double seconds, double weight)
 void estimate_add_first(struct estimate *estimate, double seconds, double told_s, double weight);
 // Seconds that a worker planned for so many frames. Ignored likewise, and with 0 frames.
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count);
+// Seconds of a frame's rendering by its plan, which count until a frame is done. 0: not known. Ignored likewise.
+void estimate_foretell(struct estimate *estimate, double seconds);
 // Seconds until a frame was skipped, for its file is there: nothing is learnt about frames that are rendered.
 void estimate_add_skip(struct estimate *estimate, double seconds);
 void estimate_end_skips(struct estimate *estimate);     // a frame is being rendered

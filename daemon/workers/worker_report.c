@@ -7,6 +7,7 @@
 #include "core/wire/message.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -122,11 +123,12 @@ static bool read_optional(struct worker_report *report, const struct json_node *
 
 static bool read_planned(struct worker_report *report, const struct json_node *body, struct error *error)
 {
-    struct json_node frames = json_node_child(body, "frames");
+    struct json_node frames = json_node_child(body, "frames"), seconds = json_node_child(body, "render_s");
 
     return read_frame(report, body, error) &&
            (json_node_is_absent(&frames) ||
-            json_read_integer(&frames, 1, FRAME_COUNT_LIMIT, &report->planned_frames, error));
+            json_read_integer(&frames, 1, FRAME_COUNT_LIMIT, &report->planned_frames, error)) &&
+           (json_node_is_absent(&seconds) || json_read_number(&seconds, 0.0, HUGE_VAL, &report->foretold_s, error));
 }
 
 static bool read_phase(struct worker_report *report, const struct json_node *body, struct error *error)

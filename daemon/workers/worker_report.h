@@ -46,6 +46,7 @@ struct worker_report {
     int64_t missed;             // plan made: the number of the plan that it replaces; 0: none
     struct json_node plan;      // plan made; borrowed from the message
     int64_t planned_frames;     // planned: the frames that the plan serves; 0: unknown
+    double foretold_s;          // planned: seconds of a frame's rendering by the plan; 0: unknown
     struct published_file file; // finished; skipped, without inode
     bool is_found;              // finished: the part file was there, nothing was rendered now
     double render_s, encode_s;

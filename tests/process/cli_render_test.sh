@@ -153,4 +153,17 @@ else
     grep -q "apt install ffmpeg" err || fail "a missing ffmpeg is named"
 fi
 
+# Before a frame of random paths, what it takes is told.
+cat >ball.json <<'JOB'
+{ "version": 1, "name": "ball", "frames": "0", "fps": 24, "resolution": [16, 12],
+  "camera": { "position": [0, 0, 4], "target": [0, 0, 0], "fov": 35 },
+  "lights": [ { "kind": "point", "position": [2, 2, 2], "intensity": 20 } ],
+  "scene": { "scattering": { "orders": 3 },
+    "media": [ { "sigma_s": 1, "density": { "kind": "homogeneous", "bounds": { "kind": "sphere", "radius": 1 } } } ] },
+  "quality": { "tolerance": 0.2 },
+  "output": { "path": "ball/ball.####.exr" } }
+JOB
+expect 0 march render ball.json
+grep -qE "^planned in [0-9.:]+ s: a frame's rendering takes about [0-9.:]+ s here$" err || fail "the time is told: $(cat err)"
+
 [ "$failures" -eq 0 ]

@@ -45,6 +45,8 @@ struct plan_shelf_params {
     int64_t serial;                   // identifies the job
     const struct plan_source *source; // NULL: plans are made and numbered here
     void (*on_plan)(void *user);      // NULL, or called before a plan is made
+    // NULL, or called after one was made, with the seconds that a frame's rendering is to take; 0: not known.
+    void (*on_planned)(void *user, double render_s);
     void *user;
 };
 

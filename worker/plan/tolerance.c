@@ -67,6 +67,13 @@ static void on_plan(void *user)
     note_phase(user, FRAME_PHASE_PLAN);
 }
 
+static void on_planned(void *user, double render_s)
+{
+    const struct tolerance_params *params = user;
+
+    if (params->on_planned) params->on_planned(params->user, render_s);
+}
+
 static struct plan_shelf_params find_shelf_params(const struct tolerance *tolerance,
                                                   const struct tolerance_params *params)
 {
@@ -79,6 +86,7 @@ static struct plan_shelf_params find_shelf_params(const struct tolerance *tolera
                                       .serial = params->serial,
                                       .source = params->source,
                                       .on_plan = on_plan,
+                                      .on_planned = on_planned,
                                       .user = (void *)params};
 }
 

@@ -36,6 +36,9 @@ struct tolerance_params {
     renderer_progress *on_progress;
     picture_level_callback *on_level;                     // as renderer_render takes it
     void (*on_phase)(void *user, enum frame_phase phase); // may be NULL; called before each plan, rendering and audit
+    // May be NULL; called after a plan was made here, with the seconds that a frame's rendering is to take, where
+    // random paths take most of them; else 0.
+    void (*on_planned)(void *user, double render_s);
     void *user;
 };
 

@@ -34,6 +34,7 @@ struct render_loop {
     struct assignment_frame *frame; // being rendered
     enum frame_phase phase;         // of that frame, never FRAME_PHASE_LINK
     double phase_progress;          // share of it that is done; it only grows
+    double foretold_s;              // of a frame's rendering, by the plan that was made last; 0: not known
     // The frame whose files are being read ahead; its job -1: none.
     int64_t expected_job;
     int32_t expected_frame;
@@ -104,10 +105,21 @@ static void on_phase(void *user, enum frame_phase phase)
     struct render_loop *loop = user;
     const struct assignment_frame *frame = loop->frame;
 
-    if (phase == FRAME_PHASE_PLAN && loop->phase != FRAME_PHASE_PLAN) report_planning(&loop->worker->connection, frame);
+    if (phase == FRAME_PHASE_PLAN && loop->phase != FRAME_PHASE_PLAN) {
+        loop->foretold_s = 0.0;
+        report_planning(&loop->worker->connection, frame);
+    }
     if (phase != FRAME_PHASE_PLAN && loop->phase == FRAME_PHASE_PLAN)
-        report_planned(&loop->worker->connection, frame, plan_segment_of(&frame->job->job, frame->frame).count);
+        report_planned(&loop->worker->connection, frame, plan_segment_of(&frame->job->job, frame->frame).count,
+                       loop->foretold_s);
     begin_phase(loop, phase);
+}
+
+static void on_planned(void *user, double render_s)
+{
+    struct render_loop *loop = user;
+
+    loop->foretold_s = render_s;
 }
 
 // The plan is made by another worker: how far it is is unknown here.
@@ -249,6 +261,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
                                             .on_progress = on_progress,
                                             .on_level = on_level,
                                             .on_phase = on_phase,
+                                            .on_planned = on_planned,
                                             .user = loop};
     struct tolerance_result result;
     struct error error = {0};

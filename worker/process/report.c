@@ -112,12 +112,14 @@ void report_planning(struct connection *connection, const struct assignment_fram
     report_plain(connection, "frame.planning", frame);
 }
 
-void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count)
+void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count,
+                    double render_s)
 {
     struct json_writer writer = {0};
 
     begin_frame(&writer, "frame.planned", frame->job->id, frame->frame, frame->attempt);
     json_write_integer_member(&writer, "frames", frame_count);
+    if (render_s > 0.0) json_write_number_member(&writer, "render_s", render_s);
     send_and_finish(connection, &writer);
 }
 

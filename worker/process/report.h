@@ -36,8 +36,9 @@ void report_part(struct connection *connection, int64_t done, int64_t count, dou
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 // The plan of the frame's segment is being made, which may take longer than the frame; and has been made.
 void report_planning(struct connection *connection, const struct assignment_frame *frame);
-// It serves so many frames.
-void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count);
+// It serves so many frames, and foretells the seconds of a frame's rendering; 0: not known.
+void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count,
+                    double render_s);
 // The segment's plan is asked for; one was made.
 void report_plan_wanted(struct connection *connection, const struct assignment_frame *frame, const char *key);
 

@@ -165,6 +165,18 @@ static void eta_counts_the_plans_that_are_left(void **state)
     assert_float_equal(estimate_eta_s(&estimate, 50, 5, 1), 5 + 12, FLOAT_TOLERANCE);
 }
 
+static void a_plan_foretells_until_a_frame_is_done(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_foretell(&estimate, 0);
+    assert_true(estimate_eta_s(&estimate, 10, 10, 2) < 0);
+    estimate_foretell(&estimate, 90);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 10, 2), 450, FLOAT_TOLERANCE);
+    estimate_add(&estimate, 60);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 9, 2), 300, FLOAT_TOLERANCE);
+}
+
 static void eta_is_unknown_without_workers(void **state)
 {
     struct estimate estimate = {0};
@@ -188,6 +200,7 @@ int main(void)
         cmocka_unit_test(eta_leaves_out_how_workers_begin),
         cmocka_unit_test(eta_goes_by_the_work_of_frames),
         cmocka_unit_test(eta_counts_the_plans_that_are_left),
+        cmocka_unit_test(a_plan_foretells_until_a_frame_is_done),
         cmocka_unit_test(eta_is_unknown_without_workers),
     };
 

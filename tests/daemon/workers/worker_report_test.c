@@ -101,6 +101,14 @@ static void planning_is_reported_for_a_frame(void **state)
     assert_true(
         read_line(&report, &message, "frame.planned", "{\"job\":1,\"frame\":2,\"attempt\":3,\"frames\":48}", NULL));
     assert_int_equal(report.planned_frames, 48);
+    assert_true(report.foretold_s == 0.0);
+    message_finish(&message);
+    assert_true(read_line(&report, &message, "frame.planned",
+                          "{\"job\":1,\"frame\":2,\"attempt\":3,\"frames\":48,\"render_s\":7.5}", NULL));
+    assert_true(report.foretold_s == 7.5);
+    message_finish(&message);
+    assert_false(
+        read_line(&report, &message, "frame.planned", "{\"job\":1,\"frame\":2,\"attempt\":3,\"render_s\":-1}", NULL));
     message_finish(&message);
     assert_true(
         read_line(&report, &message, "frame.phase", "{\"job\":1,\"frame\":2,\"attempt\":3,\"phase\":\"audit\"}", NULL));

@@ -9,6 +9,8 @@
 #include "tests/support/json_edit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
+#include "worker/plan/plan_family.h"
+#include "worker/plan/plan_lookup.h"
 #include "worker/plan/tolerance.h"
 
 #include <math.h>
@@ -60,6 +62,14 @@ static double measure_error(const struct job *job, const struct image *image)
     return sqrt(fmax(square, 0.0) / all);
 }
 
+static double foretold_s;
+
+static void on_planned(void *user, double render_s)
+{
+    (void)user;
+    foretold_s = render_s;
+}
+
 // Returns what the frame was rendered with. `objects` may be NULL.
 static struct job_quality check_with(const char *density, const char *sigma_s, const char *sky, double allowed,
                                      const char *objects)
@@ -78,13 +88,17 @@ static struct job_quality check_with(const char *density, const char *sigma_s, c
     if (!job_parse(&job, edited, strlen(edited), NULL, &error)) fail_msg("%s", error.message);
     free(edited);
     assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
-    if (!tolerance_render(tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image}, &result,
-                          &error))
+    foretold_s = 0.0;
+    if (!tolerance_render(
+            tolerance, &(struct tolerance_params){.job = &job, .serial = 1, .image = &image, .on_planned = on_planned},
+            &result, &error))
         fail_msg("%s", error.message);
     found = measure_error(&job, &image);
-    print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e), %d cells, %d paths: %s\n", allowed, found,
-                  result.audit.error, result.audit.error95, result.quality.scatter_grid, result.quality.paths,
-                  result.reason);
+    print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e), %d cells, %d paths, %.2g of %.2g s: %s\n",
+                  allowed, found, result.audit.error, result.audit.error95, result.quality.scatter_grid,
+                  result.quality.paths, foretold_s, result.render.seconds, result.reason);
+    assert_true(foretold_s > 0.0 && isfinite(foretold_s));
+    assert_int_equal(result.retry_count, 0);
     assert_true(result.audit.error <= allowed);
     assert_true(found <= 1.25 * allowed);
     assert_true(found <= result.audit.error95);
@@ -139,6 +153,33 @@ static void endless_haze_keeps_its_tolerance(void **state)
     assert_int_equal(check_with(haze, "0.3", "", 0.3, NULL).method, JOB_METHOD_PATHS);
 }
 
+// What another worker is told of a plan is the same plan.
+static void a_grid_from_the_lights_is_looked_up(void **state)
+{
+    struct plan_point point = {.rungs = {4, 4, 4, 4, 4, 4}, .is_from_lights = 1}, found;
+    struct error error = {{0}};
+    struct job_quality quality;
+    struct plan_scene scene;
+    struct job job;
+    char text[2048];
+    size_t family = 0, looked_up;
+
+    snprintf(text, sizeof text, JOB, "", NOISE, "5", 0.1);
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    plan_scene_init(&scene, &job);
+    while (strcmp(plan_families[family].name, "midpoint") != 0)
+        family++;
+    quality = plan_family_quality(&plan_families[family], &scene, &point);
+    assert_int_equal(quality.scatter_from, JOB_SCATTER_FROM_LIGHTS);
+    assert_true(plan_lookup(&scene, &quality, &looked_up, &found));
+    assert_true(looked_up == family && found.is_from_lights == 1);
+    quality.scatter_from = JOB_SCATTER_FROM_ANY;
+    assert_true(plan_lookup(&scene, &quality, &looked_up, &found));
+    assert_true(looked_up == family && found.is_from_lights == 0);
+    job_finish(&job);
+    (void)state;
+}
+
 static int fills;
 
 static void count_fills(enum log_level level, const struct log_subject *subject, const char *line)
@@ -188,9 +229,10 @@ static void a_stated_grid_is_filled_once(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stated_grid_is_filled_once),       cmocka_unit_test(a_white_ball_keeps_its_tolerance),
-        cmocka_unit_test(white_noise_keeps_its_tolerance),    cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
-        cmocka_unit_test(noise_over_a_floor_has_light_grids), cmocka_unit_test(endless_haze_keeps_its_tolerance),
+        cmocka_unit_test(a_grid_from_the_lights_is_looked_up),    cmocka_unit_test(a_stated_grid_is_filled_once),
+        cmocka_unit_test(a_white_ball_keeps_its_tolerance),       cmocka_unit_test(white_noise_keeps_its_tolerance),
+        cmocka_unit_test(media_under_a_sky_keep_their_tolerance), cmocka_unit_test(noise_over_a_floor_has_light_grids),
+        cmocka_unit_test(endless_haze_keeps_its_tolerance),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
