@@ -49,7 +49,7 @@ struct measuring {
 
 static void say(struct job_beyond *beyond, const char *why)
 {
-    snprintf(beyond->why, sizeof beyond->why, "%s", why);
+    snprintf(beyond->why, sizeof beyond->why, "%.*s", (int)sizeof beyond->why - 1, why);
 }
 
 static bool reads_sequence(const struct job *job)
