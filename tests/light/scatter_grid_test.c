@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "tests/support/bias_check.h"
+#include "tests/support/exr_maker.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
@@ -14,6 +15,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -49,6 +51,7 @@
     "{ \"kind\": \"dome\", \"gradient\": { \"along\": [2, 1, 0.5], \"against\": 0.2, \"axis\": [1, 2, 0] } },"
 #define GRID ", \"scatter_grid\": 16, \"paths\": 1024"
 #define CACHED "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48" GRID
+#define COARSE "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 12, \"paths\": 512"
 #define FROM_LIGHTS "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_from\": \"lights\""
 #define LIGHTS FROM_LIGHTS ", \"scatter_grid\": 20, \"paths\": 256"
 #define INSIDE "{ \"kind\": \"point\", \"intensity\": [1, 3, 2], \"position\": [0.3, -0.2, 0.25] },"
@@ -136,6 +139,38 @@ static void domes_are_those_of_the_reference(void **state)
     assert_true_to(NOISE, GRADIENT SUN, "\"all\"", 0.03);
 }
 
+// The limits are twice what the cells and particles err by here.
+static void assert_sent(const char *media, const char *lights, const char *orders, double limit)
+{
+    struct truth truth;
+
+    find_truth(&truth, media, lights, orders);
+    assert_near_truth(&truth, LIGHTS, limit);
+}
+
+// A sky with a sun of four texels, turned and coloured: of all its light that is one half.
+static void images_of_skies_are_those_of_the_reference(void **state)
+{
+    enum { WIDTH = 32, HEIGHT = 16 };
+    static float rgb[3 * HEIGHT * WIDTH];
+    const char *path = temp_folder_path(state, "sky.exr");
+    char light[512];
+
+    for (int i = 0; i < HEIGHT * WIDTH; ++i) {
+        bool is_sun = i / WIDTH / 2 == 2 && i % WIDTH / 2 == 10;
+
+        for (int c = 0; c < 3; ++c)
+            rgb[3 * i + c] = (is_sun ? 60.0f : i / WIDTH < HEIGHT / 2 ? 0.5f : 0.1f) * (1.0f + 0.3f * (float)c);
+    }
+    exr_maker_write(path, WIDTH, HEIGHT, JOB_PIXEL_FLOAT, rgb);
+    snprintf(light, sizeof light,
+             "{ \"kind\": \"dome\", \"file\": \"%s\", \"scale\": [0.5, 1, 2],"
+             " \"rotate\": { \"axis\": [1, 3, 0.5], \"angle\": 70 } },",
+             path);
+    assert_true_to(FORWARD, light, "\"all\"", 0.022);
+    assert_sent(EVEN, light, "\"all\"", 0.028);
+}
+
 struct stage {
     struct gl_stage gl;
     struct image image;
@@ -163,15 +198,6 @@ static void close_stage(struct stage *stage)
 {
     image_finish(&stage->image);
     gl_stage_close(stage->gl);
-}
-
-// The limits are twice what the cells and particles err by here.
-static void assert_sent(const char *media, const char *lights, const char *orders, double limit)
-{
-    struct truth truth;
-
-    find_truth(&truth, media, lights, orders);
-    assert_near_truth(&truth, LIGHTS, limit);
 }
 
 static void particles_from_lights_bring_all_orders(void **state)
@@ -368,8 +394,8 @@ static void a_white_furnace_is_even(void **state)
         " \"octaves\": 2, \"mode\": \"clip\", \"scale\": 4, " BALL ", \"falloff\": 0.3 } } }";
 
     (void)state;
-    // Weights are 1 without colours; those that share collisions have noise.
-    assert_true(furnace_error("{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("0.8"), CACHED) < 1e-4);
+    // Weights are 1 without colours, however few walks there are; those that share collisions have noise.
+    assert_true(furnace_error("{ \"sigma_s\": 5, \"sigma_a\": 0, " LOBE("0.8"), COARSE) < 1e-4);
     assert_true(furnace_error(noise, CACHED) < 0.022);
 }
 
@@ -413,8 +439,8 @@ static void assert_same_for_all(const char *quality)
 static void a_grid_is_the_same_for_all(void **state)
 {
     (void)state;
-    assert_same_for_all(CACHED);
-    assert_same_for_all(LIGHTS);
+    assert_same_for_all(COARSE);
+    assert_same_for_all(COARSE ", \"scatter_from\": \"lights\"");
 }
 
 int main(int argc, char **argv)
@@ -422,6 +448,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_orders_are_those_of_the_reference),
         cmocka_unit_test(domes_are_those_of_the_reference),
+        cmocka_unit_test_setup_teardown(images_of_skies_are_those_of_the_reference, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test(particles_from_lights_bring_all_orders),
         cmocka_unit_test(particles_come_from_lamps_of_all_sizes),
         cmocka_unit_test(noise_of_a_lamp_inside_falls_evenly),

@@ -30,7 +30,7 @@ endless short 0 9 | jq 'del(.scene.media[0].density.file)' >"$scratch/short.json
 begun_ms=$(date +%s%3N)
 "$bin/march" render "$scratch/short.json" --backend software --out "$scratch/short.####.exr" >"$scratch/said" 2>&1 || fail "a frame that ends: $(cat "$scratch/said")"
 limit_s=$((($(date +%s%3N) - begun_ms) * 8 / 1000))
-[ $limit_s -ge 6 ] || limit_s=6
+[ $limit_s -ge 4 ] || limit_s=4
 echo "limit: $limit_s s"
 start_daemon --backend software --progress-limit $limit_s --max-attempts 3
 started=$SECONDS
