@@ -153,7 +153,7 @@ static void lamps_inside_are_right_on_the_average(void **state)
 static void assert_even_noise(const char *lamp, size_t steps)
 {
     static const char *const qualities[] = {PATHS("64"), PATHS("1024"), PATHS("16384"), PATHS("65536")};
-    static const int counts[] = {64, 1024, 16384, 65536}, frames[] = {128, 16, 6, 4};
+    static const int counts[] = {64, 1024, 16384, 65536}, frames[] = {128, 16, 8, 6};
     static double truth[BIAS_CHECK_VALUES], noise[BIAS_CHECK_VALUES];
     // What lies behind is weighed by transmittance, which more paths do not make more exact.
     struct bias_check_scene scene = {
@@ -170,7 +170,7 @@ static void assert_even_noise(const char *lamp, size_t steps)
             bias_check_measure(&scene, truth, frames[i]).spread * sqrt(counts[i]) * sqrt(frames[i] / (frames[i] - 1.0));
         print_message("noise of a path: %.2f\n", even);
         if (i == 0) first = even;
-        // 324 values of four frames know their mean variance within some 5 %.
+        // 324 values of six frames know their mean variance within some 5 %.
         assert_true(even > 0.8 * first && even < 1.25 * first);
     }
 }
