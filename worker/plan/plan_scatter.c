@@ -2,7 +2,6 @@
 #include "worker/plan/plan_scatter.h"
 
 #include "core/base/alloc.h"
-#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/scene/light_rules.h"
@@ -14,13 +13,14 @@
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_small.h"
+#include "worker/plan/scatter_light.h"
+#include "worker/plan/scatter_pace.h"
 #include "worker/plan/scatter_search.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum {
     PIXELS = 16 * 12, // of each frame; more where
@@ -34,6 +34,8 @@ static const double SHARE = 0.65, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
 static const double ACCURACY_SHARE = 0.5, ROUGH_ACCURACY = 0.1;
+// Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
+static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
 static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
 static const double PATHS_MOST = 6e6;  // that the search may trace: some seconds of a processor
 
@@ -42,14 +44,6 @@ struct frame {
     struct truth_pixel *truth; // owned; of the lattice's pixels
     double light;              // mean square
 };
-
-// What random paths of one kind take, as the measurement of the most of them told.
-struct pace {
-    double paths;               // that were measured
-    double processor_s, wall_s; // for all of them
-};
-
-enum pace_kind { PACE_NODES, PACE_LIGHTS, PACE_PIXELS, PACE_KINDS };
 
 struct plan_scatter {
     const struct plan_params *params; // borrowed
@@ -61,7 +55,7 @@ struct plan_scatter {
     int worst;          // the frame that the search measures
     struct plan *plan;  // that is completed
     size_t paths_family;
-    struct pace paces[PACE_KINDS];
+    struct scatter_pace paces[SCATTER_PACE_KINDS];
     enum renderer_fault fault;
     struct error error;
 };
@@ -81,17 +75,6 @@ static struct job first_of(const struct job *job)
         if (!light_rules_of(job->scene.lights[i].kind)->has_size)
             first.scene.lights[first.scene.light_count++] = job->scene.lights[i];
     return first;
-}
-
-// Mean square of the light, or its product of halves.
-static double mean_square(const struct truth_pixel *pixels, size_t count)
-{
-    double sum = 0.0;
-
-    for (size_t i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++)
-            sum += pixels[i].rgb[c] * pixels[i].rgb[c] - pixels[i].half[c] * pixels[i].half[c];
-    return fmax(sum / (3.0 * (double)count), 0.0);
 }
 
 static bool measure_truth(struct plan_scatter *scatter, const struct job *job, int32_t number,
@@ -119,20 +102,6 @@ static bool measure_truth(struct plan_scatter *scatter, const struct job *job, i
 // A few paths tell how bright the pixels are.
 static const struct integrate_accuracy LEAST_ACCURACY = {.relative = 10.0, .floor = AUDIT_BLACK};
 
-// How many pixels of equal brightness would have the sums of the squares and of the fourth powers.
-static double count_lit(const struct truth_pixel *pixels, size_t count)
-{
-    double squares = 0.0, fourths = 0.0;
-
-    for (size_t i = 0; i < count; i++) {
-        double square = mean_square(&pixels[i], 1);
-
-        squares += square;
-        fourths += square * square;
-    }
-    return fourths > 0.0 ? squares * squares / fourths : (double)count;
-}
-
 // Where few pixels have most of the light, errors would be known by few: the lattice becomes finer.
 static bool choose_lattice(struct plan_scatter *scatter)
 {
@@ -144,7 +113,7 @@ static bool choose_lattice(struct plan_scatter *scatter)
     plan_lattice_init(&scatter->lattice, scatter->params->job, PIXELS);
     pixels = xcalloc(pixel_count(scatter), sizeof *pixels);
     ok = measure_truth(scatter, &scatter->job, segment->pilot[segment->pilot_count / 2], &LEAST_ACCURACY, pixels);
-    if (ok) lit = count_lit(pixels, pixel_count(scatter));
+    if (ok) lit = scatter_light_count(pixels, pixel_count(scatter));
     free(pixels);
     if (lit >= LIT) return ok;
     plan_lattice_finish(&scatter->lattice);
@@ -152,23 +121,37 @@ static bool choose_lattice(struct plan_scatter *scatter)
     return true;
 }
 
+// Paths of pixels without grids of lights have noise alone, which two pictures tell by themselves: what they are
+// compared with is only weighed.
+static bool may_have_grids(const struct job *job)
+{
+    struct plan_scene scene;
+
+    plan_scene_init(&scene, job);
+    for (size_t i = 0; i < plan_family_count; i++)
+        if (plan_families[i].axis_count > 1 && plan_family_serves(&plan_families[i], &scene)) return true;
+    return false;
+}
+
 // `first` is the job of the first order, whose light is measured in `alone`.
 static bool measure_light(struct plan_scatter *scatter, const struct job *first, struct frame *frame,
                           struct truth_pixel *alone)
 {
-    struct integrate_accuracy accuracy = {.relative = ACCURACY_SHARE * scatter->params->job->quality.tolerance};
+    double wanted = ACCURACY_SHARE * scatter->params->job->quality.tolerance;
+    struct integrate_accuracy accuracy = {.relative =
+                                              may_have_grids(&scatter->job) ? wanted : fmax(wanted, ROUGH_ACCURACY)};
     size_t count = pixel_count(scatter);
     double share;
 
     // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
     if (!measure_truth(scatter, &scatter->job, frame->number, &LEAST_ACCURACY, frame->truth)) return false;
-    accuracy.floor = fmax(FLOOR_SHARE * sqrt(mean_square(frame->truth, count)), AUDIT_BLACK);
+    accuracy.floor = fmax(FLOOR_SHARE * sqrt(scatter_light_square(frame->truth, count)), AUDIT_BLACK);
     if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth) ||
         !measure_truth(scatter, first, frame->number,
                        &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
         return false;
-    frame->light = mean_square(frame->truth, count);
-    share = frame->light > 0.0 ? sqrt(mean_square(alone, count) / frame->light) : 1.0;
+    frame->light = scatter_light_square(frame->truth, count);
+    share = frame->light > 0.0 ? sqrt(scatter_light_square(alone, count) / frame->light) : 1.0;
     scatter->first_share = fmax(scatter->first_share, share);
     return true;
 }
@@ -314,38 +297,21 @@ static bool measure_frame(struct plan_scatter *scatter, const struct plan *plan,
     return ok;
 }
 
-static enum pace_kind kind_of(const struct scatter_setting *setting)
-{
-    if (setting->grid_rung == SCATTER_PIXELS) return PACE_PIXELS;
-    return setting->is_from_lights ? PACE_LIGHTS : PACE_NODES;
-}
-
-static double count_paths(const struct scatter_setting *setting, double pixels)
-{
-    double nodes = setting->grid_rung == SCATTER_PIXELS ? pixels : pow(scatter_grid_cells[setting->grid_rung], 3.0);
-
-    return nodes * exp2(setting->path_rung);
-}
-
 // The second picture links and reads nothing: its time is that of its paths.
 static bool render_again(struct plan_scatter *scatter, const struct scatter_setting *setting, const struct plan *plan,
                          const struct frame *frame, struct image *image)
 {
-    struct pace *pace = &scatter->paces[kind_of(setting)], now;
-    double processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_read_s(CLOCK_MONOTONIC);
+    struct scatter_pace began = scatter_pace_begin();
 
     if (!render(scatter, plan, frame, plan_lattice_render_again, image)) return false;
-    now = (struct pace){.paths = count_paths(setting, (double)pixel_count(scatter)),
-                        .processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - processor_s,
-                        .wall_s = clock_read_s(CLOCK_MONOTONIC) - wall_s};
-    if (now.paths >= pace->paths) *pace = now;
+    scatter_pace_note(scatter->paces, setting, (double)pixel_count(scatter), &began);
     return true;
 }
 
 // Two pictures tell the noise by their difference, and by their product with the two halves of the light what has none.
-static bool measure(void *user, const struct scatter_setting *setting, struct scatter_measured *measured)
+static bool measure_twice(struct plan_scatter *scatter, const struct scatter_setting *setting,
+                          struct scatter_measured *measured)
 {
-    struct plan_scatter *scatter = user;
     const struct frame *frame = &scatter->frames[scatter->worst];
     struct plan tried = *scatter->plan;
     struct image first = {0}, second = {0};
@@ -367,6 +333,23 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
     image_finish(&second);
     image_finish(&first);
     return ok || !renderer_fault_is_final(scatter->fault);
+}
+
+static bool measure(void *user, const struct scatter_setting *setting, struct scatter_measured *measured)
+{
+    struct plan_scatter *scatter = user;
+    double tolerance = scatter->params->job->quality.tolerance;
+
+    if (!measure_twice(scatter, setting, measured)) return false;
+    // Grids of the lights that are too coarse for paths of pixels: these go without from then on.
+    if (setting->grid_rung != SCATTER_PIXELS || isinf(measured->cells) ||
+        measured->cells <= GRIDS_SHARE * GRIDS_SHARE * tolerance * tolerance + CHANCE * measured->noise)
+        return true;
+    if (scatter->paths_family + 1 >= plan_family_count ||
+        plan_families[scatter->paths_family + 1].method != JOB_METHOD_PATHS)
+        return true;
+    scatter->paths_family++;
+    return measure_twice(scatter, setting, measured);
 }
 
 // Whether a grid may be filled from the lights where the scene alone would not have it so. Media's own light is not
@@ -443,13 +426,12 @@ static void predict(struct plan *plan, const struct plan_scatter *scatter, const
 static void foretell(struct plan *plan, const struct plan_scatter *scatter, const struct scatter_setting *setting)
 {
     const struct job *job = scatter->params->job;
-    const struct pace *pace = &scatter->paces[kind_of(setting)];
-    double samples = job->quality.samples > 1 ? job->quality.samples : 1.0, share;
+    double samples = job->quality.samples > 1 ? job->quality.samples : 1.0;
+    struct scatter_pace frame =
+        scatter_pace_foretell(scatter->paces, setting, samples * job->width_px * job->height_px);
 
-    if (!(pace->paths > 0.0)) return;
-    share = count_paths(setting, samples * job->width_px * job->height_px) / pace->paths;
-    plan->predicted_s = share * pace->wall_s;
-    if (renderer_is_software(scatter->params->renderer)) plan->predicted_processor_s = share * pace->processor_s;
+    plan->predicted_s = frame.wall_s;
+    if (renderer_is_software(scatter->params->renderer)) plan->predicted_processor_s = frame.processor_s;
 }
 
 bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum renderer_fault *fault,

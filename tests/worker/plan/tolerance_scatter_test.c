@@ -153,6 +153,20 @@ static void endless_haze_keeps_its_tolerance(void **state)
     assert_int_equal(check_with(haze, "0.3", "", 0.3, NULL).method, JOB_METHOD_PATHS);
 }
 
+// Air is thinner than the cells of a grid of 64 around its planet.
+static void thin_air_has_no_light_grids(void **state)
+{
+    static const char AIR[] = "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1.02,"
+                              "\"falloff\":0.01}}";
+    struct job_quality quality = check_with(AIR, "[12, 27, 66]", "", 0.1,
+                                            "[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,"
+                                            "\"material\":{\"kind\":\"diffuse\",\"albedo\":0.2}}]");
+
+    assert_int_equal(quality.method, JOB_METHOD_PATHS);
+    assert_int_equal(quality.light_grid, 0);
+    (void)state;
+}
+
 // What another worker is told of a plan is the same plan.
 static void a_grid_from_the_lights_is_looked_up(void **state)
 {
@@ -229,10 +243,10 @@ static void a_stated_grid_is_filled_once(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_grid_from_the_lights_is_looked_up),    cmocka_unit_test(a_stated_grid_is_filled_once),
-        cmocka_unit_test(a_white_ball_keeps_its_tolerance),       cmocka_unit_test(white_noise_keeps_its_tolerance),
-        cmocka_unit_test(media_under_a_sky_keep_their_tolerance), cmocka_unit_test(noise_over_a_floor_has_light_grids),
-        cmocka_unit_test(endless_haze_keeps_its_tolerance),
+        cmocka_unit_test(thin_air_has_no_light_grids),        cmocka_unit_test(a_grid_from_the_lights_is_looked_up),
+        cmocka_unit_test(a_stated_grid_is_filled_once),       cmocka_unit_test(a_white_ball_keeps_its_tolerance),
+        cmocka_unit_test(white_noise_keeps_its_tolerance),    cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
+        cmocka_unit_test(noise_over_a_floor_has_light_grids), cmocka_unit_test(endless_haze_keeps_its_tolerance),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
