@@ -33,7 +33,7 @@ enum {
 static const double SHARE = 0.65, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
-static const double ACCURACY_SHARE = 0.5, ROUGH_ACCURACY = 0.1;
+static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
 static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
