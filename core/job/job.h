@@ -111,7 +111,7 @@ struct job_quality {
     int scatter_grid;
     enum job_scatter_from scatter_from; // (scatter_grid)
     // Scatterings of a walk from a node behind which media are similar ones, of less and broader scattering
-    // (shaders/scatter_grid/similar.glsl); 0: never.
+    // (shaders/scatter_grid/similar.glsl); 0: never. Only where all orders are modelled.
     int similar_after;
     int paths;                    // a pixel (paths), or a node of the scatter_grid; 0: neither
     enum job_estimator estimator; // (tracking)

@@ -337,8 +337,8 @@ static bool read_similar(const struct json_node *similar, const struct json_node
                          struct error *error)
 {
     if (json_node_is_absent(similar)) return true;
-    if (quality->scatter_from != JOB_SCATTER_FROM_NODES)
-        return json_fail(similar, error, "only beside scatter_from \"nodes\"");
+    if (quality->scatter_from == JOB_SCATTER_FROM_LIGHTS)
+        return json_fail(similar, error, "not beside scatter_from \"lights\"");
     return read_count(object, "similar_after", JOB_SIMILAR_LIMIT, &quality->similar_after, error);
 }
 

@@ -55,6 +55,7 @@ static bool check_method(const struct check *check)
     const struct job_quality *quality = &check->job->quality;
     struct json_node method = json_node_child(&check->quality, "method");
     struct json_node grid = json_node_child(&check->quality, "scatter_grid");
+    struct json_node similar = json_node_child(&check->quality, "similar_after");
     bool is_open = quality->method == JOB_METHOD_PATHS || !job_quality_states_method(quality);
 
     if (check->job->scene.orders <= 1)
@@ -67,6 +68,9 @@ static bool check_method(const struct check *check)
                          "expected one that shows light scattered more than once (paths, or another march with a "
                          "scatter_grid), got %s",
                          job_method_name(quality->method));
+    if (quality->similar_after > 0 && check->job->scene.orders != SCENE_ORDERS_ALL)
+        return json_fail(&similar, check->error,
+                         "only where scene.scattering.orders is \"all\": a scattering in similar media is several");
     return quality->scatter_grid > 0 ||
            json_fail_expected(&grid, check->error,
                               "a number of cells, which a march needs where light scatters more than once (or "

@@ -26,7 +26,7 @@
 #define GRID                                                                                                           \
     "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 20, \"scatter_from\": \"nodes\","   \
     " \"paths\": 1024"
-#define SIMILAR GRID ", \"similar_after\": 4"
+#define SIMILAR GRID ", \"similar_after\": 2"
 
 static struct image render(const struct bias_check_scene *scene)
 {

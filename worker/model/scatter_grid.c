@@ -184,6 +184,11 @@ void scatter_grid_add_paths(struct frame_uniforms *uniforms, const struct scatte
     frame_uniforms_add(uniforms, value, "scatter_grid_paths");
 }
 
+bool scatter_grid_is_similar(const struct scatter_grid *grid)
+{
+    return grid->job->quality.similar_after > 0 && !grid->is_from_lights;
+}
+
 size_t scatter_grid_node_count(const struct scatter_grid *grid)
 {
     return (size_t)grid->nodes[0] * (size_t)grid->nodes[1] * (size_t)grid->nodes[2];

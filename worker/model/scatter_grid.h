@@ -47,6 +47,8 @@ struct scatter_grid_box scatter_grid_place(const struct scatter_grid *grid, doub
 // Adds scatter_grid_low and scatter_grid_size, for programs that look the grid up and the one that fills it. The grid
 // outlives the values.
 void scatter_grid_add_values(struct frame_uniforms *uniforms, const struct scatter_grid *grid);
+// True where walks go on through similar media (quality.similar_after).
+bool scatter_grid_is_similar(const struct scatter_grid *grid);
 // The nodes of one set of values.
 size_t scatter_grid_node_count(const struct scatter_grid *grid);
 // Fails, naming quality.scatter_grid, where the grid and what fills it take more than 512 MiB.

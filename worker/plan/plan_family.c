@@ -7,6 +7,7 @@
 #include "worker/audit/truth_lengths.h"
 #include "worker/density/density_bake.h"
 #include "worker/model/scene_features.h"
+#include "worker/plan/plan_similar.h"
 #include "worker/plan/scatter_search.h"
 
 #include <math.h>
@@ -289,6 +290,7 @@ static void set_axis(struct job_quality *quality, enum plan_axis axis, const str
         break;
     case PLAN_AXIS_SCATTER_GRID:
         quality->scatter_grid = scatter_grid_cells[rung];
+        quality->similar_after = plan_similar_after(scene->job);
         break;
     case PLAN_AXIS_NODE_PATHS:
     case PLAN_AXIS_PIXEL_PATHS:

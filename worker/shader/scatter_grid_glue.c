@@ -122,7 +122,7 @@ static bool has_forward_lobe(const struct scatter_grid_program *program)
 static void add_walks(struct shader_assembly *text, const struct scatter_grid_program *program,
                       const struct scene_cache *cache)
 {
-    if (program->grid->job->quality.similar_after > 0 && has_forward_lobe(program))
+    if (scatter_grid_is_similar(program->grid) && has_forward_lobe(program))
         shader_assembly_add(text, "scatter_grid/similar.glsl");
     shader_assembly_generate(text);
     scatter_walk_glue_write(text->out, program->walked, program->grid);

@@ -6,11 +6,6 @@
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_media.h"
 
-static bool is_similar(const struct scatter_grid *grid)
-{
-    return grid->job->quality.similar_after > 0;
-}
-
 // Lobes of a medium without any: one that scatters evenly.
 static size_t lobe_count(const struct scene_medium *medium)
 {
@@ -166,8 +161,8 @@ void scatter_similar_glue_write(FILE *out, const struct scene_model *model, cons
             "const int WALK_SIMILAR_AFTER = %d;\n"
             "bool walk_is_similar = false; // flights and scatterings from now on\n"
             "bool walk_is_cleared = false; // light that comes unscattered: it has what is scattered ahead\n",
-            grid->job->quality.similar_after);
-    if (!is_similar(grid)) {
+            scatter_grid_is_similar(grid) ? grid->job->quality.similar_after : 0);
+    if (!scatter_grid_is_similar(grid)) {
         fputs("Spectrum walk_extinction(MediaField field)\n{\n    return media_extinction(field);\n}\n"
               "float walk_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n"
               "    return media_rate(spans, p, direction, at, least, edge);\n}\n",
@@ -184,18 +179,19 @@ void scatter_similar_glue_write(FILE *out, const struct scene_model *model, cons
 
 void scatter_similar_glue_write_share(FILE *out, const struct scatter_grid *grid, size_t medium)
 {
-    if (is_similar(grid)) fprintf(out, " * (walk_is_similar ? medium_%zu_similar() : 1.0)", medium);
+    if (scatter_grid_is_similar(grid)) fprintf(out, " * (walk_is_similar ? medium_%zu_similar() : 1.0)", medium);
 }
 
 void scatter_similar_glue_write_turn(FILE *out, const struct scatter_grid *grid, size_t medium, const char *draw)
 {
-    if (is_similar(grid)) fprintf(out, "walk_is_similar ? medium_%zu_similar_turned(direction, %s) : ", medium, draw);
+    if (scatter_grid_is_similar(grid))
+        fprintf(out, "walk_is_similar ? medium_%zu_similar_turned(direction, %s) : ", medium, draw);
     fprintf(out, "medium_%zu_turned(direction, %s)", medium, draw);
 }
 
 void scatter_similar_glue_write_phase(FILE *out, const struct scatter_grid *grid, size_t medium)
 {
-    if (!is_similar(grid)) {
+    if (!scatter_grid_is_similar(grid)) {
         fprintf(out, "medium_%zu_phase(light.direction, direction)", medium);
         return;
     }

@@ -58,7 +58,7 @@ static void write_emission(FILE *out, const struct scene_model *model)
 
 static void write_passed(FILE *out, const struct scene_model *model, const struct scatter_grid *grid, size_t light)
 {
-    const char *transmittance = grid->job->quality.similar_after > 0 ? "walk_transmittance" : "media_transmittance";
+    const char *transmittance = scatter_grid_is_similar(grid) ? "walk_transmittance" : "media_transmittance";
 
     if (model->features.has_light_grids)
         fprintf(out, "%s(light_%zu_column(point, light))", transmittance, light);

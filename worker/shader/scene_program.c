@@ -382,7 +382,7 @@ static struct scene_model walked_model(struct scene_program *program)
 static bool check_scattered(const struct scene_program *program, struct error *error)
 {
     if (!scatter_grid_check_size(program->scatter_grid, error)) return false;
-    if (program->model.job->quality.similar_after > 0 && program->walked_model.features.estimates_columns) {
+    if (scatter_grid_is_similar(program->scatter_grid) && program->walked_model.features.estimates_columns) {
         error_set(error, "quality.similar_after: only where at most %d media are marched towards lights",
                   JOB_CACHED_MEDIUM_LIMIT);
         return false;

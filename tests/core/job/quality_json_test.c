@@ -229,8 +229,10 @@ static void wrong_random_paths_are_refused_by_place(void **state)
                             "quality.scatter_from: only beside scatter_grid");
     job_expect_edit_refused(text, "quality.scatter_from", "\"sun\"",
                             "quality.scatter_from: expected one of \"lights\",\"nodes\", got \"sun\"");
-    job_expect_edit_refused(text, "quality.similar_after", "3",
-                            "quality.similar_after: only beside scatter_from \"nodes\"");
+    job_expect_edit_refused(text, "quality",
+                            "{\"method\":\"cached\",\"step\":1,\"light_grid\":16,\"scatter_grid\":4,"
+                            "\"scatter_from\":\"lights\",\"similar_after\":2}",
+                            "quality.similar_after: not beside scatter_from \"lights\"");
     job_expect_edit_refused(job_text_noise, "quality.similar_after", "3",
                             "quality.similar_after: only beside scatter_grid");
     job_expect_edit_refused(job_text_noise, "quality", "{\"paths\":4}",

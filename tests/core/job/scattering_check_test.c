@@ -242,6 +242,23 @@ static void marches_go_to_no_light_of_many_directions(void **state)
     free(scene);
 }
 
+// A scattering in similar media stands for several: they cannot be counted.
+static void similar_media_are_for_all_orders(void **state)
+{
+    static const char ball[] = MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                                     "\"sphere\",\"radius\":1}},\"sigma_s\":1}");
+    static const char quality[] = "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8,\"similar_after\":2}";
+    char *two = xasprintf("%s%s", TWO, ball), *all = xasprintf("\"scattering\":{\"orders\":\"all\"},%s", ball);
+
+    assert_refused(
+        DOME, two, quality,
+        "quality.similar_after: only where scene.scattering.orders is \"all\": a scattering in similar media "
+        "is several");
+    assert_taken(DOME, all, quality);
+    free(all);
+    free(two);
+}
+
 // The grid is a box around what scatters, which has to end.
 static void a_grid_is_around_media_that_end(void **state)
 {
@@ -298,6 +315,7 @@ int main(void)
         cmocka_unit_test(random_paths_need_a_majorant),
         cmocka_unit_test(light_that_never_ends_is_refused),
         cmocka_unit_test(marches_go_to_no_light_of_many_directions),
+        cmocka_unit_test(similar_media_are_for_all_orders),
         cmocka_unit_test(a_grid_is_around_media_that_end),
         cmocka_unit_test(a_spots_cones_are_one_in_the_other),
         cmocka_unit_test(a_domes_axis_has_a_length_at_all_times),
