@@ -45,7 +45,10 @@ static void print_audit(const struct json_node *frame)
     double error = number_of(frame, "measured_error"), error95 = number_of(frame, "error95");
     char text[40] = "-";
 
-    if (error >= 0) snprintf(text, sizeof text, "%.2g / %.2g", 100 * error, 100 * error95);
+    if (error > 0 || (error == 0 && !(error95 > 0)))
+        snprintf(text, sizeof text, "%.2g / %.2g", 100 * error, 100 * error95);
+    else if (error == 0)
+        snprintf(text, sizeof text, "at most %.2g", 100 * error95); // chance made the estimate vanish
     printf("  %15s", text);
 }
 

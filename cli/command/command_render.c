@@ -174,9 +174,10 @@ static void write_result(struct json_writer *writer, const struct render_result 
 
 static void print_accuracy(const struct frame_accuracy *accuracy)
 {
-    if (accuracy->audit[0])
-        printf("  error %.2g %% (95 %%: below %.2g %%)  %s", 100 * accuracy->error, 100 * accuracy->error95,
-               accuracy->method);
+    char text[FRAME_ACCURACY_PHRASE_SIZE];
+
+    frame_accuracy_describe(accuracy, text);
+    if (accuracy->audit[0]) printf("  error %s  %s", text, accuracy->method);
     if (accuracy->is_missed) printf("  over the tolerance");
     if (accuracy->has_cut_share) printf("  cut %.3g %%", 100 * accuracy->cut_share);
     if (accuracy->traced > 0.0) printf("  traced %.3g %%", 100 * accuracy->traced);

@@ -83,8 +83,10 @@ static void print_summary(const struct verify_list *list, const struct verify_se
     printf("%s: %zu file%s", sequence->pattern, sequence->file_count, sequence->file_count == 1 ? "" : "s");
     if (*sequence->frames) printf(", frames %s", sequence->frames);
     if (worst) {
-        printf("; worst error %.2g %% (95 %%: below %.2g %%)", 100 * worst->accuracy.error,
-               100 * worst->accuracy.error95);
+        char text[FRAME_ACCURACY_PHRASE_SIZE];
+
+        frame_accuracy_describe(&worst->accuracy, text);
+        printf("; worst error %s", text);
         if (worst->tolerance > 0) printf(" of %.2g %%", 100 * worst->tolerance);
         printf(" in %s", worst->name);
     }

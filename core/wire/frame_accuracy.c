@@ -15,6 +15,16 @@ bool frame_accuracy_is_over(const struct frame_accuracy *accuracy, double tolera
     return tolerance > 0.0 && accuracy->audit[0] && accuracy->error > tolerance;
 }
 
+void frame_accuracy_describe(const struct frame_accuracy *accuracy, char text[static FRAME_ACCURACY_PHRASE_SIZE])
+{
+    double error = 100.0 * accuracy->error, most = 100.0 * accuracy->error95;
+
+    if (error > 0.0 || !(most > 0.0))
+        snprintf(text, FRAME_ACCURACY_PHRASE_SIZE, "%.2g %% (95 %%: below %.2g %%)", error, most);
+    else
+        snprintf(text, FRAME_ACCURACY_PHRASE_SIZE, "at most %.2g %% (with 95 %%)", most);
+}
+
 void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_writer *writer)
 {
     if (accuracy->audit[0]) {

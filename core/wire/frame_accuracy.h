@@ -9,7 +9,7 @@ struct error;
 struct json_node;
 struct json_writer;
 
-enum { FRAME_ACCURACY_TEXT_SIZE = 24 };
+enum { FRAME_ACCURACY_TEXT_SIZE = 24, FRAME_ACCURACY_PHRASE_SIZE = 64 };
 
 // The zero value: nothing is known.
 struct frame_accuracy {
@@ -29,6 +29,9 @@ struct frame_accuracy {
 
 // True when the error is known and over `tolerance`; false where that is 0.
 bool frame_accuracy_is_over(const struct frame_accuracy *accuracy, double tolerance);
+// The error and its bound, such as "0.5 % (95 %: below 0.75 %)". An estimate is 0 where chance makes it vanish, which
+// does not say that the frame is exact: "at most 0.75 % (with 95 %)".
+void frame_accuracy_describe(const struct frame_accuracy *accuracy, char text[static FRAME_ACCURACY_PHRASE_SIZE]);
 // Writes the members that are known: audit, measured_error, error95, audit_rays, method, plan, and missed where it is
 // true; cut_share; traced. (`error` is the text of a failure in every message.)
 void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_writer *writer);

@@ -92,7 +92,7 @@ export class FrameView extends View {
       ["Worker", frame.worker === null ? null : `${frame.worker}${frame.node ? ` on ${frame.node}` : ""}`],
       ["Phase", frame.phase], ["Rendering", duration(frame.render_s)], ["Audit", duration(frame.audit_s)],
       ["Encoding", duration(frame.encode_s)], ["Size", size(frame.size_bytes)],
-      ["Error", percent(frame.measured_error)], ["Below, with 95 %", percent(frame.error95)],
+      ["Error", percent(frame.measured_error || NaN)], ["Below, with 95 %", percent(frame.error95)],
       ["Compared with", frame.audit?.replace("_", " ")], ["Method", frame.method], ["Plan", frame.plan],
       ["Cut light", percent(frame.cut_share)], ["Traced", percent(frame.traced)],
       ["Failure", frame.error && el("span", { class: "wrong" }, frame.error), "long"],

@@ -15,8 +15,8 @@ export function phaseText(job) {
 }
 
 export function errorText(job) {
-  const parts = [];
-  if (job.measured_error !== null) parts.push(percent(job.measured_error));
+  const parts = [], { measured_error: error, error95 } = job;
+  if (error !== null) parts.push(error || !error95 ? percent(error) : `≤ ${percent(error95)}`);
   if (job.tolerance) parts.push(`${parts.length ? "of" : "≤"} ${percent(job.tolerance)}`);
   if (job.missed) parts.push(`! ${count(job.missed)} over`);
   return parts.join(" ") || (job.draft ? "draft" : "–");

@@ -62,16 +62,24 @@ void miss_describe_retry(const struct plan *before, double error, const struct p
 
 void miss_describe(const struct miss *miss, struct error *error)
 {
-    char settings[SETTINGS_SIZE], first[32] = "was cut by GL";
+    char settings[SETTINGS_SIZE], first[32] = "was cut by GL", got[96];
+    const struct audit_result *audit = miss->audit;
 
-    if (!isinf(miss->first_error)) snprintf(first, sizeof first, "had %.3g", miss->first_error);
+    // Chance makes an estimate vanish, too.
+    if (miss->first_error > 0.0 && !isinf(miss->first_error))
+        snprintf(first, sizeof first, "had %.3g", miss->first_error);
+    else if (miss->first_error <= 0.0)
+        snprintf(first, sizeof first, "had no clear one");
+    if (audit->error > 0.0)
+        snprintf(got, sizeof got, "%.3g (give or take %.2g, with confidence below %.3g)", audit->error, audit->spread,
+                 audit->error95);
+    else
+        snprintf(got, sizeof got, "one of at most %.3g (with confidence)", audit->error95);
     format_settings(miss->job, miss->quality, settings);
     error_set(error,
-              "quality.tolerance: expected an error of at most %g, got %.3g (give or take %.2g, with confidence below "
-              "%.3g) at best, by %s; "
+              "quality.tolerance: expected an error of at most %g, got %s at best, by %s; "
               "the first of %d renderings %s, and all took %.3g times its work%s; expected a larger tolerance, a "
               "method with finer numbers, or \"on_miss\": \"publish\"",
-              miss->job->quality.tolerance, miss->audit->error, miss->audit->spread, miss->audit->error95, settings,
-              miss->rendering_count, first, miss->work,
+              miss->job->quality.tolerance, got, settings, miss->rendering_count, first, miss->work,
               promises(&miss->job->scene) ? " (is a density.lipschitz too low?)" : "");
 }

@@ -103,12 +103,28 @@ static void an_audit_is_whole_or_refused(void **state)
     assert_refused("{\"traced\":1.5}", "traced");
 }
 
+static void assert_described(double error, double error95, const char *expected)
+{
+    const struct frame_accuracy accuracy = {.audit = "reference", .error = error, .error95 = error95};
+    char text[FRAME_ACCURACY_PHRASE_SIZE];
+
+    frame_accuracy_describe(&accuracy, text);
+    assert_string_equal(text, expected);
+}
+
+// Measured between two random halves, an error may come out as nothing.
+static void no_estimate_is_no_exact_frame(void **state)
+{
+    assert_described(0.005, 0.0075, "0.5 % (95 %: below 0.75 %)");
+    assert_described(0.0, 0.0075, "at most 0.75 % (with 95 %)");
+    assert_described(0.0, 0.0, "0 % (95 %: below 0 %)");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_read),
-        cmocka_unit_test(a_missed_tolerance_is_told),
-        cmocka_unit_test(what_is_not_known_is_absent),
+        cmocka_unit_test(what_is_written_is_read),      cmocka_unit_test(a_missed_tolerance_is_told),
+        cmocka_unit_test(what_is_not_known_is_absent),  cmocka_unit_test(no_estimate_is_no_exact_frame),
         cmocka_unit_test(an_audit_is_whole_or_refused),
     };
 
