@@ -273,7 +273,7 @@ static const struct promise {
 } promises[] = {
     {"white", "paths", 0.5, 0.03},  {"within", "paths", 1e-4, 0.02}, {"within", "paths", 1e-5, 0.03},
     {"thin", "paths", 5e-4, 0.06},  {"thin", "grid", 0.5, 0.05},     {"thin", "auto", 5e-4, 0.03},
-    {"flicker", "grid", 0.1, 0.02}, {"sky", "paths", 1e5, 0.07},
+    {"flicker", "grid", 0.1, 0.02}, {"sky", "paths", 1e5, 0.07},     {"thick", "auto", 0.01, 0.03},
 };
 
 static const struct row *find_row(const char *slug)
