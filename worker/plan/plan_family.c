@@ -311,7 +311,10 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
     for (int i = 0; i < count; i++)
         set_axis(&quality, axes[i], scene, point->rungs[i]);
-    if (point->is_from_lights && quality.scatter_grid > 0) quality.scatter_from = JOB_SCATTER_FROM_LIGHTS;
+    if (point->is_from_lights && quality.scatter_grid > 0) {
+        quality.scatter_from = JOB_SCATTER_FROM_LIGHTS;
+        quality.similar_after = 0;
+    }
     // A job that has lights needs a light_step even where nothing scatters their light, if its method has one.
     if (scene->job->scene.light_count > 0 && !scene->has_lights && family->method != JOB_METHOD_EQUIANGULAR &&
         family->method != JOB_METHOD_CACHED)

@@ -267,11 +267,12 @@ static double relative_of(const struct plan_scatter *scatter, const struct frame
     return frame->light > AUDIT_BLACK * AUDIT_BLACK ? mean / frame->light : mean;
 }
 
-typedef bool lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
-                            int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
+typedef bool render_of_lattice(const struct plan_lattice *lattice, const struct plan_params *params,
+                               const struct job *job, int32_t frame, struct image *image,
+                               struct renderer_result *result, struct error *error);
 
 static bool render(struct plan_scatter *scatter, const struct plan *plan, const struct frame *frame,
-                   lattice_render *lattice_render, struct image *image)
+                   render_of_lattice *draw, struct image *image)
 {
     struct job planned = scatter->job;
     struct renderer_result result;
@@ -279,7 +280,7 @@ static bool render(struct plan_scatter *scatter, const struct plan *plan, const 
 
     planned.quality = plan->quality;
     planned.quality.samples = 1;
-    ok = lattice_render(&scatter->lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
+    ok = draw(&scatter->lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
     scatter->fault = result.fault;
     return ok;
 }
