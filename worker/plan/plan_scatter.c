@@ -238,6 +238,7 @@ static void set_point(const struct plan_scatter *scatter, struct plan *plan, con
 struct sums {
     double off, noise; // of the first picture and of both halves of the light; of the pictures' difference
     double cells;      // of each picture and another half of the light
+    double spread;     // of the squares of each pixel's part of `cells`
 };
 
 static struct sums add_pixels(const struct plan_scatter *scatter, const struct frame *frame, const struct image *first,
@@ -245,7 +246,9 @@ static struct sums add_pixels(const struct plan_scatter *scatter, const struct f
 {
     struct sums sums = {0};
 
-    for (size_t i = 0; i < pixel_count(scatter); i++)
+    for (size_t i = 0; i < pixel_count(scatter); i++) {
+        double before = sums.cells;
+
         for (size_t c = 0; c < 3; c++) {
             const struct truth_pixel *truth = &frame->truth[i];
             double half = truth->half[c], a = first->rgba[4 * i + c] - truth->rgb[c];
@@ -256,6 +259,8 @@ static struct sums add_pixels(const struct plan_scatter *scatter, const struct f
             // The mean of (a - half) (b + half) and (a + half) (b - half).
             sums.cells += a * b - half * half;
         }
+        sums.spread += pow(sums.cells - before, 2.0);
+    }
     return sums;
 }
 
@@ -327,9 +332,10 @@ static bool measure_twice(struct plan_scatter *scatter, const struct scatter_set
 
         measured->noise = relative_of(scatter, frame, sums.noise);
         measured->cells = relative_of(scatter, frame, sums.cells);
-        log_debug("plan: scattered light by %d cells, %d paths%s: error of cells %.2e, noise %.2e",
+        measured->chance = relative_of(scatter, frame, 2.0 * sqrt(sums.spread));
+        log_debug("plan: scattered light by %d cells, %d paths%s: error of cells %.2e (chance %.2e), noise %.2e",
                   tried.quality.scatter_grid, tried.quality.paths, setting->is_from_lights ? " from the lights" : "",
-                  sqrt(fmax(measured->cells, 0.0)), sqrt(measured->noise));
+                  sqrt(fmax(measured->cells, 0.0)), sqrt(measured->chance), sqrt(measured->noise));
     }
     image_finish(&second);
     image_finish(&first);

@@ -96,6 +96,12 @@ static int find_rungs(double noise, double allowed, int path_rung)
     return path_rung + by < SCATTER_PATH_RUNGS ? by : SCATTER_PATH_RUNGS - 1 - path_rung;
 }
 
+// What cells add for certain: where pixels are few and paths too, chance alone looks like cells.
+static double sure_cells(const struct scatter_measured *measured)
+{
+    return fmax(measured->cells - measured->chance, 0.0);
+}
+
 // What a grid's cells add at least, as coarser ones tell.
 static double least_cells(const struct walk *walk, int grid_rung)
 {
@@ -110,9 +116,9 @@ static void note_grid(struct walk *walk, const struct scatter_setting *setting, 
 
     walk->noise =
         fmax(walk->noise, measured->noise * exp2(setting->path_rung) * scatter_grid_cells[setting->grid_rung]);
-    if (measured->cells <= CELLS_SHARE * wanted) return;
+    if (sure_cells(measured) <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = setting->grid_rung;
-    walk->coarse_cells = measured->cells;
+    walk->coarse_cells = sure_cells(measured);
 }
 
 // Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
@@ -167,7 +173,7 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
 
     if (!measure_grid(walk, &setting, measured)) return false;
     if (isinf(measured->noise)) return true;
-    cells = fmax(measured->cells, 0.0);
+    cells = sure_cells(measured);
     if (!setting.is_from_lights) note_grid(walk, &setting, measured);
     if (cells <= CELLS_SHARE * wanted) {
         int by = find_rungs(measured->noise, wanted - cells, setting.path_rung);
@@ -235,7 +241,7 @@ static bool try_finer(struct walk *walk, int *rung)
 
         if (*rung >= SCATTER_GRID_RUNGS || !is_affordable(walk, &setting)) return true;
         if (!try_grid(walk, setting, &measured)) return false;
-        *rung += find_finer(walk, measured.cells, setting.grid_rung);
+        *rung += find_finer(walk, sure_cells(&measured), setting.grid_rung);
         if (has_found_grid(walk) && walk->finding.setting.grid_rung < setting.grid_rung) return true;
     }
 }

@@ -24,8 +24,9 @@ struct scatter_setting {
 
 // Parts of a picture's squared relative RMSE.
 struct scatter_measured {
-    double cells; // what no number of paths changes; may be negative by chance
-    double noise; // a variance over the number of paths; INFINITY where the setting cannot be rendered
+    double cells;  // what no number of paths changes; may be negative by chance
+    double chance; // of `cells`: two standard errors
+    double noise;  // a variance over the number of paths; INFINITY where the setting cannot be rendered
 };
 
 struct scatter_search {

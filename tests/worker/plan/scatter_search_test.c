@@ -20,8 +20,9 @@ struct terrain {
     int stop_after; // measurements; 0: never
     int measured;
     double traced;
-    int finest;          // that was measured
-    int most_of_few;     // the largest rung of paths of at most 16 cells
+    int finest;      // that was measured
+    int most_of_few; // the largest rung of paths of at most 16 cells
+    bool is_chance_known;
     double lights_noise; // of particles from the lights, relative to walks; 0: there is no choice
     int lights_measured;
 };
@@ -63,8 +64,9 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
     terrain->traced +=
         2.0 * (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
     if (terrain->luck > 0) noise *= draw_luck(terrain);
-    *measured =
-        (struct scatter_measured){.cells = cells + (terrain->measured % 2 ? -1 : 1) * terrain->chance, .noise = noise};
+    *measured = (struct scatter_measured){.cells = cells + (terrain->measured % 2 ? -1 : 1) * terrain->chance,
+                                          .chance = terrain->is_chance_known ? fabs(terrain->chance) : 0.0,
+                                          .noise = noise};
     return ++terrain->measured != terrain->stop_after;
 }
 
@@ -115,6 +117,19 @@ static void what_is_found_keeps_the_target_and_is_cheap(void **state)
             assert_true(cost_of(found.setting.grid_rung, found.setting.path_rung) <=
                         4.0 * find_least_cost(&terrain, targets[i]));
         }
+}
+
+// What chance may add to cells makes no grid finer than it must be.
+static void chance_is_not_taken_for_cells(void **state)
+{
+    struct terrain terrain = {.cells = 1.0, .noise = 5.0, .pixel_noise = 1e3, .chance = 4e-3};
+    struct scatter_finding fine = search(&terrain, 0.03, true), found;
+
+    terrain = (struct terrain){.cells = 1.0, .noise = 5.0, .pixel_noise = 1e3, .chance = 4e-3, .is_chance_known = true};
+    found = search(&terrain, 0.03, true);
+    assert_true(found.is_found && found.paths < fine.paths);
+    assert_true(square_of(&terrain, found.setting.grid_rung, found.setting.path_rung) <= 0.03 * 0.03);
+    (void)state;
 }
 
 // The light that pictures are compared with is known by random paths, too: that hides neither noise nor cells.
@@ -278,6 +293,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_found_keeps_the_target_and_is_cheap),
+        cmocka_unit_test(chance_is_not_taken_for_cells),
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(the_lights_fill_a_grid_where_that_costs_less),
         cmocka_unit_test(a_cheap_grid_is_filled_as_it_comes),
