@@ -5,7 +5,7 @@
 
 static const double SHARP = 0.3; // g of a lobe
 static const double TOLERANCE_LEAST = 0.01;
-enum { AFTER = 2 }; // one is no quicker
+enum { AFTER = 1 }; // scatterings: what more save of error is not seen
 
 int plan_similar_after(const struct job *job)
 {
