@@ -22,15 +22,16 @@ static bool is_forward(enum lobe_feature lobe)
     return lobe == LOBE_HENYEY_GREENSTEIN;
 }
 
-// Writes a lobe's weight, and where it has one, the share that is left of it.
-static void write_weight(FILE *out, const struct scene_model *model, size_t medium, size_t lobe)
+// Writes a lobe's weight, in similar media with the share that is left of it.
+static void write_weight(FILE *out, const struct scene_model *model, size_t medium, size_t lobe, bool is_similar)
 {
     if (model->job->scene.media[medium].lobe_count == 0) {
         fputs("1.0", out);
         return;
     }
     fprintf(out, "medium_%zu_lobe_%zu_weight", medium, lobe);
-    if (is_forward(lobe_of(model, medium, lobe))) fprintf(out, " * similar_share(medium_%zu_lobe_%zu_g)", medium, lobe);
+    if (is_similar && is_forward(lobe_of(model, medium, lobe)))
+        fprintf(out, " * similar_share(medium_%zu_lobe_%zu_g)", medium, lobe);
 }
 
 static void write_share(FILE *out, const struct scene_model *model, size_t i)
@@ -41,7 +42,7 @@ static void write_share(FILE *out, const struct scene_model *model, size_t i)
     for (size_t k = 0; k < lobe_count(&model->job->scene.media[i]); ++k) {
         if (lobe_of(model, i, k) == LOBE_UNSEEN) continue;
         fputs(separator, out);
-        write_weight(out, model, i, k);
+        write_weight(out, model, i, k, true);
         separator = " + ";
     }
     fputs(";\n}\n", out);
@@ -63,43 +64,46 @@ static void write_phase(FILE *out, const struct scene_model *model, size_t i)
                     i, k);
             continue;
         }
-        write_weight(out, model, i, k);
+        write_weight(out, model, i, k, true);
         fputs(lobe == LOBE_RAYLEIGH ? " * phase_rayleigh(dot(incoming, outgoing))" : " * phase_isotropic()", out);
     }
     fputs(";\n}\n", out);
 }
 
-static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t index)
+static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t index, bool is_similar)
 {
     if (is_forward(lobe))
-        fprintf(out, "less = similar_less(medium_%zu_lobe_%zu_g, draw.x);\n", medium, index);
+        fprintf(out, "less = %s(medium_%zu_lobe_%zu_g, draw.x);\n",
+                is_similar ? "similar_less" : "scatter_henyey_greenstein", medium, index);
     else if (lobe == LOBE_RAYLEIGH)
         fputs("less = scatter_rayleigh(draw.x);\n", out);
     else
         fputs("less = 2.0 * draw.x;\n", out);
 }
 
-// A lobe is drawn by what is left of it.
-static void write_turned(FILE *out, const struct scene_model *model, size_t i)
+void scatter_similar_glue_write_turned(FILE *out, const struct scene_model *model, size_t i, bool is_similar)
 {
     size_t count = lobe_count(&model->job->scene.media[i]), seen = 0, last = 0;
 
     for (size_t k = 0; k < count; ++k)
         if (lobe_of(model, i, k) != LOBE_UNSEEN) last = k, seen++;
-    fprintf(out, "vec3 medium_%zu_similar_turned(vec3 direction, vec2 draw)\n{\n    float less;\n", i);
-    if (seen > 1) fprintf(out, "    float lobe = walk_random() * medium_%zu_similar();\n", i);
+    fprintf(out, "vec3 medium_%zu%s_turned(vec3 direction, vec2 draw)\n{\n    float less;\n", i,
+            is_similar ? "_similar" : "");
+    if (seen > 1) fputs("    float lobe = walk_random()", out);
+    if (seen > 1 && is_similar) fprintf(out, " * medium_%zu_similar()", i);
+    if (seen > 1) fputs(";\n", out);
     for (size_t k = 0; k < last; ++k) {
         if (lobe_of(model, i, k) == LOBE_UNSEEN) continue;
         fputs("    if (lobe < ", out);
-        write_weight(out, model, i, k);
+        write_weight(out, model, i, k, is_similar);
         fputs(") ", out);
-        write_less(out, lobe_of(model, i, k), i, k);
+        write_less(out, lobe_of(model, i, k), i, k, is_similar);
         fputs("    else {\n    lobe -= ", out);
-        write_weight(out, model, i, k);
+        write_weight(out, model, i, k, is_similar);
         fputs(";\n", out);
     }
     fputs("    ", out);
-    write_less(out, lobe_of(model, i, last), i, last);
+    write_less(out, lobe_of(model, i, last), i, last, is_similar);
     for (size_t k = 1; k < seen; ++k)
         fputs("    }\n", out);
     fputs("    return scatter_turn(direction, less, draw.y);\n}\n", out);
@@ -172,7 +176,7 @@ void scatter_similar_glue_write(FILE *out, const struct scene_model *model, cons
     for (size_t k = 0; k < grid->medium_count; ++k) {
         write_share(out, model, grid->media[k]);
         write_phase(out, model, grid->media[k]);
-        write_turned(out, model, grid->media[k]);
+        scatter_similar_glue_write_turned(out, model, grid->media[k], true);
     }
     write_flights(out, model);
 }

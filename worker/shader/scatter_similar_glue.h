@@ -1,7 +1,8 @@
-// Writes the media that walks go through after some scatterings, where the job asks for similar ones.
+// Writes draws from phase functions for walks, and the media that these go through where the job asks for similar ones.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -18,6 +19,9 @@ struct scene_model;
 //   float medium_I_similar_phase(vec3 incoming, vec3 outgoing)    the phase function, times that
 //   vec3 medium_I_similar_turned(vec3 direction, vec2 draw)       a draw from it
 void scatter_similar_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid);
+// Writes vec3 medium_I_turned(vec3 direction, vec2 draw): a draw from the medium's phase function, a lobe by weight. In
+// similar media, medium_I_similar_turned.
+void scatter_similar_glue_write_turned(FILE *out, const struct scene_model *model, size_t medium, bool is_similar);
 // A factor of medium I's scattering coefficient, or nothing.
 void scatter_similar_glue_write_share(FILE *out, const struct scatter_grid *grid, size_t medium);
 // A call that draws a direction from medium I's phase function, for `direction` and `draw`, expressions.

@@ -8,44 +8,6 @@
 #include "worker/shader/scatter_similar_glue.h"
 #include "worker/shader/scene_glue_gather.h"
 
-static void write_less(FILE *out, enum lobe_feature lobe, size_t medium, size_t index)
-{
-    switch (lobe) {
-    case LOBE_HENYEY_GREENSTEIN:
-        fprintf(out, "less = scatter_henyey_greenstein(medium_%zu_lobe_%zu_g, draw.x);\n", medium, index);
-        break;
-    case LOBE_RAYLEIGH:
-        fputs("less = scatter_rayleigh(draw.x);\n", out);
-        break;
-    case LOBE_UNSEEN:
-    case LOBE_ISOTROPIC:
-        fputs("less = 2.0 * draw.x;\n", out);
-        break;
-    }
-}
-
-// Writes vec3 medium_I_turned(vec3 direction, vec2 draw): a draw from the medium's phase function, a lobe by weight.
-static void write_turned(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
-{
-    size_t last = 0, seen = 0;
-
-    for (size_t k = 0; k < medium->lobe_count; ++k)
-        if (features->lobes[k] != LOBE_UNSEEN) last = k, seen++;
-    fprintf(out, "vec3 medium_%zu_turned(vec3 direction, vec2 draw)\n{\n    float less;\n", i);
-    if (seen > 1) fputs("    float lobe = walk_random();\n", out);
-    for (size_t k = 0; k < last; ++k) {
-        if (features->lobes[k] == LOBE_UNSEEN) continue;
-        fprintf(out, "    if (lobe < medium_%zu_lobe_%zu_weight) ", i, k);
-        write_less(out, features->lobes[k], i, k);
-        fprintf(out, "    else {\n    lobe -= medium_%zu_lobe_%zu_weight;\n", i, k);
-    }
-    fputs("    ", out);
-    write_less(out, medium->lobe_count == 0 ? LOBE_ISOTROPIC : features->lobes[last], i, last);
-    for (size_t k = 1; k < seen; ++k)
-        fputs("    }\n", out);
-    fputs("    return scatter_turn(direction, less, draw.y);\n}\n", out);
-}
-
 static void write_emission(FILE *out, const struct scene_model *model)
 {
     fputs("Spectrum walk_emission(MediaField field, vec3 point)\n{\n    Spectrum source = spectrum(0.0);\n", out);
@@ -164,11 +126,8 @@ static void write_first(FILE *out, const struct scatter_grid *grid)
 
 void scatter_walk_glue_write_scatter(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
 {
-    for (size_t k = 0; k < grid->medium_count; ++k) {
-        size_t i = grid->media[k];
-
-        write_turned(out, &model->job->scene.media[i], &model->features.media[i], i);
-    }
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        scatter_similar_glue_write_turned(out, model, grid->media[k], false);
     write_scatter(out, model, grid);
     fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");
 }
