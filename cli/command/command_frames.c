@@ -12,6 +12,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { PAGE_SIZE = 10000 };
 
@@ -111,6 +112,22 @@ static void print_frame(const struct json_node *frame, const struct plan_beyond 
     print_end(frame);
 }
 
+// As the daemon has it, and with what its plan leaves out.
+static void print_json(const struct json_node *frame, const struct plan_beyond *plans)
+{
+    const struct job_beyond *beyond = plan_beyond_find(plans, (int64_t)number_of(frame, "plan"));
+    char *text = json_node_format(frame);
+    struct json_writer member = {0};
+
+    if (beyond) job_beyond_write(beyond, &member);
+    if (member.text)
+        printf("%.*s,%s}", (int)strlen(text) - 1, text, member.text);
+    else
+        printf("%s", text);
+    json_writer_finish(&member);
+    free(text);
+}
+
 static void print_page(const struct options *options, const struct json_node *frames, const struct plan_beyond *plans,
                        bool is_first)
 {
@@ -118,10 +135,8 @@ static void print_page(const struct options *options, const struct json_node *fr
 
     while (json_node_next(frames, &frame)) {
         if (options->json) {
-            char *text = json_node_format(&frame);
-
-            printf("%s%s", is_first ? "" : ",", text);
-            free(text);
+            printf("%s", is_first ? "" : ",");
+            print_json(&frame, plans);
             is_first = false;
         } else {
             print_frame(&frame, plans);
@@ -160,9 +175,9 @@ struct listing {
     const struct options *options;
     struct connection *connection;
     int64_t id;
-    struct plan_beyond plans; // of tables; empty in JSON, whose frames name their plans
-    char *cursor;             // owned; NULL: the first page, and after the last one
-    int64_t count;            // frames that were printed
+    struct plan_beyond plans;
+    char *cursor;  // owned; NULL: the first page, and after the last one
+    int64_t count; // frames that were printed
 };
 
 static enum exit_status print_next_page(struct listing *listing, struct error *error)
@@ -193,7 +208,7 @@ static enum exit_status print_frames(struct listing *listing, struct error *erro
     bool is_json = listing->options->json;
     enum exit_status status;
 
-    if (!is_json) plan_beyond_ask(&listing->plans, listing->connection, listing->id);
+    plan_beyond_ask(&listing->plans, listing->connection, listing->id);
     do
         status = print_next_page(listing, error);
     while (status == EXIT_STATUS_DONE && listing->cursor);

@@ -65,11 +65,15 @@ march frames "$id" --socket "$socket" >out.txt || fail "frames"
 head -n 1 out.txt | grep -q 'TRACED %  BEYOND % / 95 %  FILE' || fail "the titles of march frames: $(cat out.txt)"
 [[ $(tr -s ' ' <out.txt | sed -n 2p) =~ \ ([0-9.]+)\ /\ [0-9.]+\ $scratch/out/thick.0000.exr$ ]] || fail "the row of march frames: $(cat out.txt)"
 within "that of march frames" "$(printf '%.0f' "${BASH_REMATCH[1]}")" "$first" "$first"
+march frames "$id" --socket "$socket" --json >out.txt || fail "frames --json"
+expect "those of march frames --json" "$(jq -r '.frames | map(.beyond.error * 100 | round | tostring) | join(" ")' out.txt)" "$first $first $first $first"
+jq -e '.frames[0].beyond | .error95 >= .error' out.txt >/dev/null || fail "the bound of march frames --json: $(cat out.txt)"
 march verify out >out.txt || fail "verify: $(cat out.txt)"
 grep -q "; the modelled orders of scattering leave out $first % (95 %: below [0-9]* %); all well$" out.txt || fail "verify: $(cat out.txt)"
 expect "submit --json is quiet" "$(march submit tolerant.json --set output.path=j.####.exr --socket "$socket" --json 2>&1 | jq -r 'keys[]')" id
-march submit all.json --socket "$socket" >/dev/null 2>err
+id=$(march submit all.json --set output.path=all.####.exr --socket "$socket" 2>err) || fail "submit of all orders: $(cat err)"
 ! grep -q warning err || fail "all orders leave nothing out: $(cat err)"
+expect "their frames --json" "$(march frames "$id" --socket "$socket" --json | jq -c '.frames | map(has("beyond")) | unique')" "[false]"
 stop_daemon
 
 # So do frames that are rendered here, whatever their quality.
