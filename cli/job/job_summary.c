@@ -73,6 +73,20 @@ static void print_step(const char *name, double metres, double voxels)
     if (voxels > 0.0) printf(", %s %g voxels", name, voxels);
 }
 
+// The paths above the first order of scattering.
+static void print_scattered(const struct job_quality *quality)
+{
+    const char *what = quality->scatter_from == JOB_SCATTER_FROM_LIGHTS ? "particle" : "path";
+
+    if (quality->scatter_grid > 0)
+        printf(", a grid of %d cells for scattered light, %d %s%s a node", quality->scatter_grid, quality->paths, what,
+               plural((size_t)quality->paths));
+    else if (quality->paths > 0)
+        printf(", %d path%s a pixel", quality->paths, plural((size_t)quality->paths));
+    if (quality->similar_after > 0)
+        printf(", similar media after %d scattering%s", quality->similar_after, plural((size_t)quality->similar_after));
+}
+
 static void print_quality(const struct job *job)
 {
     const struct job_quality *quality = &job->quality;
@@ -86,11 +100,8 @@ static void print_quality(const struct job *job)
     if (quality->light_steps > 0)
         printf(", %d light step%s", quality->light_steps, plural((size_t)quality->light_steps));
     if (quality->points > 0) printf(", %d point%s", quality->points, plural((size_t)quality->points));
-    if (quality->scatter_grid > 0)
-        printf(", a grid of %d cells for scattered light, %d path%s a node", quality->scatter_grid, quality->paths,
-               plural((size_t)quality->paths));
-    else if (quality->paths > 0)
-        printf(", %d path%s a pixel", quality->paths, plural((size_t)quality->paths));
+    print_scattered(quality);
+    if (quality->light_grid > 0) printf(", a grid of %d cells for each light", quality->light_grid);
     if (quality->samples > 1) printf(", %d samples a pixel", quality->samples);
     if (job->scene.object_count > 0) printf(", rays up to depth %d", quality->max_depth);
     printf("\n");
@@ -145,6 +156,7 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     if (job->quality.tolerance > 0.0) json_write_number_member(writer, "tolerance", job->quality.tolerance);
     if (job->quality.step > 0.0) json_write_number_member(writer, "step", job->quality.step);
     if (job->quality.step_voxels > 0.0) json_write_number_member(writer, "step_voxels", job->quality.step_voxels);
+    if (job->quality.light_grid > 0) json_write_integer_member(writer, "light_grid", job->quality.light_grid);
     if (job->quality.scatter_grid > 0) json_write_integer_member(writer, "scatter_grid", job->quality.scatter_grid);
     if (job->quality.paths > 0) json_write_integer_member(writer, "paths", job->quality.paths);
     json_write_integer_member(writer, "samples", job->quality.samples);

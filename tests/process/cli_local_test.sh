@@ -100,6 +100,13 @@ expect 0 '"paths":4' march submit --dry-run --json sky.json
 expect 0 "light      scatters up to 3 times" march submit --dry-run sky.json --set 'scene.scattering={"orders": 3}'
 expect 0 "a grid of 8 cells for scattered light, 256 paths a node" march submit --dry-run sky.json \
     --set 'quality={"method": "equiangular", "points": 4, "scatter_grid": 8}'
+expect 0 "64 paths a node, similar media after 2 scatterings, a grid of 32 cells for each light" \
+    march submit --dry-run sky.json --set 'quality={"method": "cached", "step": 0.1, "light_grid": 32, "scatter_grid": 8, "paths": 64, "similar_after": 2}'
+expect 0 "64 particles a node" march submit --dry-run sky.json \
+    --set 'quality={"method": "equiangular", "points": 4, "scatter_grid": 8, "paths": 64, "scatter_from": "lights"}'
+sed 's/"homogeneous"/"noise", "frequency": 2/' sky.json >noise.json
+expect 0 "4 paths a pixel, a grid of 24 cells for each light" march submit --dry-run noise.json --set quality.light_grid=24
+expect 0 '"light_grid":24,"paths":4' march submit --dry-run --json noise.json --set quality.light_grid=24
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10 --set "$stated"
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=201
 expect 2 "--priority: expected an integer in [0, 200]" march submit --dry-run "$cloud" --priority 201

@@ -31,15 +31,21 @@ static void format_settings(const struct job *job, const struct job_quality *qua
                     {"points", quality->points},
                     {"light_grid", quality->light_grid},
                     {"density_grid", quality->density_grid},
+                    {"scatter_grid", quality->scatter_grid},
+                    {"paths", quality->paths},
+                    {"similar_after", quality->similar_after},
                     {"min_transmittance", quality->min_transmittance},
                     {"max_depth", job->scene.object_count > 0 ? quality->max_depth : 0}};
     int length = snprintf(text, SETTINGS_SIZE, "%s", job_method_name(quality->method));
 
     for (size_t i = 0; i < sizeof settings / sizeof *settings && length < SETTINGS_SIZE; i++) {
         if (settings[i].number == 0.0) continue;
-        length +=
-            snprintf(text + length, SETTINGS_SIZE - (size_t)length, ", %s %.3g", settings[i].key, settings[i].number);
+        // Numbers of paths are powers of two, and whole.
+        length += snprintf(text + length, SETTINGS_SIZE - (size_t)length, ", %s %.*g", settings[i].key,
+                           settings[i].number == round(settings[i].number) ? 9 : 3, settings[i].number);
     }
+    if (quality->scatter_from == JOB_SCATTER_FROM_LIGHTS && length < SETTINGS_SIZE)
+        snprintf(text + length, SETTINGS_SIZE - (size_t)length, ", scatter_from lights");
 }
 
 static bool promises(const struct scene *scene)
