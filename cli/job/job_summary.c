@@ -24,12 +24,20 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
+// Those of the job.
+static size_t count_media(const struct scene *scene)
+{
+    return scene->has_vacuum ? 0 : scene->medium_count;
+}
+
 static void print_media(const struct scene *scene)
 {
-    printf("%-10s %zu medi%s", "scene", scene->medium_count, scene->medium_count == 1 ? "um" : "a");
-    for (size_t i = 0; i < scene->medium_count; i++)
+    size_t count = count_media(scene);
+
+    printf("%-10s %zu medi%s", "scene", count, count == 1 ? "um" : "a");
+    for (size_t i = 0; i < count; i++)
         printf("%s%s", i == 0 ? " (" : ", ", density_rules_of(&scene->media[i].density)->name);
-    printf("%s", scene->medium_count > 0 ? ")" : "");
+    printf("%s", count > 0 ? ")" : "");
     if (scene->object_count > 0) printf(", %zu object%s", scene->object_count, plural(scene->object_count));
     printf(", %zu light%s%s%s\n", scene->light_count, plural(scene->light_count),
            scene->has_background ? ", a background" : "",
@@ -144,7 +152,7 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     json_write_integer(writer, job->width_px);
     json_write_integer(writer, job->height_px);
     json_write_end_array(writer);
-    json_write_integer_member(writer, "media", (int64_t)job->scene.medium_count);
+    json_write_integer_member(writer, "media", (int64_t)count_media(&job->scene));
     json_write_integer_member(writer, "objects", (int64_t)job->scene.object_count);
     json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
     if (job->scene.orders > 1) {

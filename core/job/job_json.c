@@ -173,6 +173,14 @@ static bool read_output(struct job_output *output, const struct json_node *docum
     return true;
 }
 
+// What random paths of a scene of objects alone fly through.
+static void add_vacuum(struct job *job)
+{
+    bool has_walks = job->scene.orders > 1 || job->quality.method == JOB_METHOD_PATHS;
+
+    if (has_walks && job->scene.object_count > 0 && job->scene.medium_count == 0) scene_add_vacuum(&job->scene);
+}
+
 static bool read_job(struct job *job, const struct json_node *document, const char *output_root, struct error *error)
 {
     static const char *const keys[] = {"version",  "name",   "frames",      "fps",   "time_offset", "resolution",
@@ -193,8 +201,11 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
         !job_notes_from_json(&job->notes, document, error) || !job_notify_from_json(&job->notify, document, error))
         return false;
     times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
-    return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&
-           read_output(&job->output, document, output_root, error) && job_check(job, document, error);
+    if (!scene_from_json(&job->scene, document, &times, error) || !quality_from_json(&job->quality, document, error) ||
+        !read_output(&job->output, document, output_root, error))
+        return false;
+    add_vacuum(job);
+    return job_check(job, document, error);
 }
 
 bool job_from_json(struct job *job, const struct json_node *document, const char *output_root, struct error *error)

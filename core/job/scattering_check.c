@@ -210,10 +210,9 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
         return json_fail(&check.quality, error,
                          "expected a method (paths), since nothing measures the error of a density in GLSL above "
                          "order 1");
-    if (is_walked && job->scene.object_count > 0 && (!is_paths || job->scene.medium_count == 0))
+    if (is_walked && job->scene.object_count > 0 && !is_paths)
         return json_fail(&method, error,
-                         "not rendered yet: scenes with objects above order 1, but by paths where there is a medium "
-                         "(one with sigma_s 0 will do)");
+                         "not rendered yet: scenes with objects above order 1, but by \"paths\" (or without a method)");
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");

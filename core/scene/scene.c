@@ -3,6 +3,7 @@
 
 #include "core/scene/density_rules.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -125,6 +126,23 @@ void scene_finish(struct scene *scene)
     for (size_t i = 0; i < scene->light_count; i++)
         free(scene->lights[i].dome.image.file);
     *scene = (struct scene){0};
+}
+
+void scene_add_vacuum(struct scene *scene)
+{
+    const struct timeline zero = {.component_count = 1}, one = {.component_count = 1, .value = {1.0}};
+
+    assert(scene->medium_count == 0);
+    scene->media[scene->medium_count++] = (struct scene_medium){.density = {.kind = SCENE_DENSITY_HOMOGENEOUS,
+                                                                            .bounds = {.kind = SCENE_BOUNDS_SPHERE,
+                                                                                       .center = {.component_count = 3},
+                                                                                       .radius = one,
+                                                                                       .falloff = zero},
+                                                                            .homogeneous.scale = one},
+                                                                .sigma_s = zero,
+                                                                .sigma_a = zero,
+                                                                .emission = zero};
+    scene->has_vacuum = true;
 }
 
 void scene_format_orders(int orders, char text[static SCENE_ORDERS_SIZE])

@@ -161,6 +161,7 @@ struct scene {
     size_t light_count;
     struct scene_medium media[SCENE_MEDIUM_LIMIT];
     size_t medium_count;
+    bool has_vacuum; // the one medium is empty, and not of the job: scene_add_vacuum
     struct scene_shape shapes[SCENE_SHAPE_LIMIT];
     size_t shape_count;
     struct scene_object objects[SCENE_OBJECT_LIMIT];
@@ -173,6 +174,8 @@ struct scene {
 };
 
 void scene_finish(struct scene *scene);
+// Adds an empty medium to a scene that has none: random paths between objects fly through media.
+void scene_add_vacuum(struct scene *scene);
 // Writes orders of scattering as a job states them: a number, or "all".
 void scene_format_orders(int orders, char text[static SCENE_ORDERS_SIZE]);
 // True when something lies behind everything, a background or a visible dome: then alpha is 1.

@@ -197,6 +197,9 @@ static void noise_falls_evenly_to_65536_paths(void **state)
     "\"diffuse\","                                                                                                     \
     " \"albedo\": 0.7 } }"
 
+// A dome's light has no grid: flights are tracked to it.
+#define DOME "{ \"kind\": \"dome\", \"radiance\": [0.3, 0.2, 0.4] },"
+
 // Diffuse surfaces are vertices as those in media are.
 static void diffuse_surfaces_are_right_on_the_average(void **state)
 {
@@ -221,8 +224,21 @@ static void diffuse_surfaces_are_right_on_the_average(void **state)
     assert_fair(&scene, truth, 256);
 }
 
-// A dome's light has no grid: flights are tracked to it.
-#define DOME "{ \"kind\": \"dome\", \"radiance\": [0.3, 0.2, 0.4] },"
+// Between surfaces paths fly through nothing.
+static void objects_alone_are_right_on_the_average(void **state)
+{
+    static double truth[BIAS_CHECK_VALUES], noise[BIAS_CHECK_VALUES];
+    const struct bias_check_scene scene = {.media = "",
+                                           .lights = SUN LAMP DOME,
+                                           .objects = FLOOR ", " WALL,
+                                           .orders = "\"all\"",
+                                           .noise = noise,
+                                           .quality = PATHS("16")};
+
+    (void)state;
+    bias_check_find_paths(&scene, 2048, truth, noise);
+    assert_fair(&scene, truth, 256);
+}
 
 // A sun along the box's sides, whose column at the beam's edge is that of a whole side.
 #define NOON "{ \"kind\": \"sun\", \"intensity\": [2, 3, 2], \"direction\": [0, -1, 0] },"
@@ -324,6 +340,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(several_media_are_right_on_the_average),
         cmocka_unit_test(all_orders_are_those_of_the_reference),
         cmocka_unit_test(diffuse_surfaces_are_right_on_the_average),
+        cmocka_unit_test(objects_alone_are_right_on_the_average),
         cmocka_unit_test(lamps_inside_are_right_on_the_average),
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test(light_grids_are_right_on_the_average),

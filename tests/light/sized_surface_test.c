@@ -11,10 +11,6 @@
 
 #define FLOOR                                                                                                          \
     "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": [0.9, 0.6, 0.3]}}"
-// Random paths are those of scenes with media; this one is far away.
-#define FAR_MEDIUM                                                                                                     \
-    "{\"sigma_a\": 1, \"density\": {\"kind\": \"homogeneous\","                                                        \
-    " \"bounds\": {\"kind\": \"sphere\", \"center\": [0, -90, 0], \"radius\": 1}}}"
 
 static const double albedo[3] = {0.9, 0.6, 0.3};
 
@@ -24,7 +20,6 @@ static struct studio_scene floor_under(const char *lights, const char *quality)
                                  .height_px = 20,
                                  .camera = {.position = {0, 3, 4}, .target = {0, 0, -0.2}, .fov = 50},
                                  .lights = lights,
-                                 .media = FAR_MEDIUM,
                                  .objects = FLOOR,
                                  .quality = quality};
 }

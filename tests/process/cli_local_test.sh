@@ -104,6 +104,11 @@ expect 0 "64 paths a node, similar media after 2 scatterings, a grid of 32 cells
     march submit --dry-run sky.json --set 'quality={"method": "cached", "step": 0.1, "light_grid": 32, "scatter_grid": 8, "paths": 64, "similar_after": 2}'
 expect 0 "64 particles a node" march submit --dry-run sky.json \
     --set 'quality={"method": "equiangular", "points": 4, "scatter_grid": 8, "paths": 64, "scatter_from": "lights"}'
+floor='{"objects": [{"kind": "plane", "point": [0, -1, 0], "material": {"kind": "diffuse", "albedo": 0.5}}], "scattering": {"orders": "all"}}'
+expect 0 "0 media, 1 object, 1 light" march submit --dry-run sky.json --set "scene=$floor"
+expect 0 '"media":0,"objects":1' march submit --dry-run --json sky.json --set "scene=$floor"
+expect 2 'scenes with objects above order 1, but by "paths" (or without a method)' march submit --dry-run sky.json --set "scene=$floor" \
+    --set 'quality={"method": "midpoint", "step": 0.1, "light_step": 0.1, "scatter_grid": 8}'
 sed 's/"homogeneous"/"noise", "frequency": 2/' sky.json >noise.json
 expect 0 "4 paths a pixel, a grid of 24 cells for each light" march submit --dry-run noise.json --set quality.light_grid=24
 expect 0 '"light_grid":24,"paths":4' march submit --dry-run --json noise.json --set quality.light_grid=24

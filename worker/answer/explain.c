@@ -171,6 +171,17 @@ static void list_medium(const struct listing *listing, size_t i)
     if (features->media[i].scatters && features->has_lights) list_phase(listing, i);
 }
 
+static void list_media(const struct listing *listing)
+{
+    const struct scene *scene = &listing->job->scene;
+
+    if (scene->has_vacuum)
+        say(listing, true, "vacuum", "random paths fly between objects, and there is no medium");
+    else
+        for (size_t i = 0; i < scene->medium_count; ++i)
+            list_medium(listing, i);
+}
+
 static void list_dome_image(const struct listing *listing, size_t i)
 {
     const struct texture_input *input = &listing->inputs->dome;
@@ -433,8 +444,7 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
     listing.of_modelled = of_modelled;
     json_write_key(listing.writer, key);
     json_write_begin_array(listing.writer);
-    for (size_t i = 0; i < listing.job->scene.medium_count; ++i)
-        list_medium(&listing, i);
+    list_media(&listing);
     list_lights(&listing);
     list_outputs(&listing);
     list_motion(&listing);
