@@ -325,9 +325,16 @@ static int count_threads(const struct measuring *measuring)
     return count > THREAD_LIMIT ? THREAD_LIMIT : (int)count;
 }
 
-static void measure_samples(struct measuring *measuring)
+static bool tell(const struct measuring *measuring)
 {
     const struct truth_many *many = measuring->many;
+
+    if (many->done) *many->done = fmin((double)atomic_load(&measuring->next) / (double)measuring->count, 1.0);
+    return !many->on_progress || many->on_progress(many->user);
+}
+
+static void measure_samples(struct measuring *measuring)
+{
     pthread_t threads[THREAD_LIMIT];
     int wanted = count_threads(measuring) - 1, started = 0;
 
@@ -335,7 +342,7 @@ static void measure_samples(struct measuring *measuring)
     while (started < wanted && pthread_create(&threads[started], NULL, measure_all, measuring) == 0)
         started++;
     while (measure_next(measuring)) {
-        if (many->on_progress && !many->on_progress(many->user)) atomic_store(&measuring->is_stopped, true);
+        if (!tell(measuring)) atomic_store(&measuring->is_stopped, true);
     }
     for (int i = 0; i < started; i++)
         (void)pthread_join(threads[i], NULL);

@@ -64,6 +64,7 @@ struct truth_many {
     bool (*on_progress)(
         void *user); // may be NULL; called in the caller's thread after each of its samples; false: stop
     void *user;
+    double *done; // NULL, or where the share of the samples that are taken is noted before on_progress is called
 };
 
 // Threads share the samples of all pixels. Returns the number of measured pixels: all, unless it was stopped.

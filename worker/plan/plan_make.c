@@ -413,6 +413,7 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     bool ok;
 
     chosen.done = &done;
+    chosen.is_scattered = params->job->scene.orders > 1;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = (params->job->scene.orders == 1 ? choose_plan : choose_scattered)(plan, &chosen, fault, error);
     ok = ok && plan_pixels_choose(plan, &chosen, fault, error);

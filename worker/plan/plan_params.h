@@ -26,6 +26,7 @@ struct plan_params {
     struct plan_evidence *evidence; // NULL, or where to leave the evidence for audits; empty before
     struct truth **truth;           // NULL, or where to leave a truth of the planned job, if one is opened; NULL before
     double *done;                   // NULL, or where to note how much of the plan is made, from 0 to 1
+    bool is_scattered;              // the plan is one of several orders of scattering: its progress counts their stages
     bool tells_renders;             // without `done`: on_progress is told the share of each render that is done
     renderer_progress *on_progress; // may be NULL; called with what `done` has, else 0; false stops
     void *user;

@@ -6,10 +6,12 @@ struct plan_params;
 
 // In the order in which they are done.
 enum plan_stage {
+    PLAN_STAGE_LIGHT,   // above order 1: pixels that random paths of reference/ measure
     PLAN_STAGE_HALVING, // renders in ever finer steps
     PLAN_STAGE_TRUTH,   // pixels that reference/ measures
     PLAN_STAGE_SEARCH,
     PLAN_STAGE_SCOUTS,
+    PLAN_STAGE_PATHS,    // above order 1: pictures by random paths
     PLAN_STAGE_TIMING,   // larger renders; this and the next only of plans that are timed
     PLAN_STAGE_OVERHEAD, // the audit and the file of one
     PLAN_STAGE_COUNT

@@ -12,9 +12,9 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
-#include "worker/plan/plan_small.h"
 #include "worker/plan/scatter_light.h"
 #include "worker/plan/scatter_pace.h"
+#include "worker/plan/scatter_progress.h"
 #include "worker/plan/scatter_search.h"
 
 #include <math.h>
@@ -37,6 +37,7 @@ static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
 static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
+static const double ALL_PART = 0.9;    // of the time for a frame's light; the rest is for the first order
 static const double PATHS_MOST = 6e6;  // that the search may trace: some seconds of a processor
 
 struct frame {
@@ -55,6 +56,7 @@ struct plan_scatter {
     int worst;          // the frame that the search measures
     struct plan *plan;  // that is completed
     size_t paths_family;
+    struct scatter_progress progress;
     struct scatter_pace paces[SCATTER_PACE_KINDS];
     enum renderer_fault fault;
     struct error error;
@@ -90,8 +92,9 @@ static bool measure_truth(struct plan_scatter *scatter, const struct job *job, i
                                                               .pixels = pixels,
                                                               .count = count,
                                                               .accuracy = accuracy,
-                                                              .on_progress = plan_small_on_pixel,
-                                                              .user = (void *)scatter->params});
+                                                              .on_progress = scatter_progress_on_pixel,
+                                                              .user = &scatter->progress,
+                                                              .done = &scatter->progress.done});
     truth_close(truth);
     if (measured == count) return true;
     scatter->fault = RENDERER_FAULT_STOPPED;
@@ -141,13 +144,15 @@ static bool measure_light(struct plan_scatter *scatter, const struct job *first,
     struct integrate_accuracy accuracy = {.relative =
                                               may_have_grids(&scatter->job) ? wanted : fmax(wanted, ROUGH_ACCURACY)};
     size_t count = pixel_count(scatter);
-    double share;
+    double share, each = 1.0 / scatter->params->segment.pilot_count;
 
     // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
     if (!measure_truth(scatter, &scatter->job, frame->number, &LEAST_ACCURACY, frame->truth)) return false;
     accuracy.floor = fmax(FLOOR_SHARE * sqrt(scatter_light_square(frame->truth, count)), AUDIT_BLACK);
-    if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth) ||
-        !measure_truth(scatter, first, frame->number,
+    scatter_progress_begin_light(&scatter->progress, ALL_PART * each, frame->truth, count);
+    if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth)) return false;
+    scatter_progress_begin_light(&scatter->progress, (1.0 - ALL_PART) * each, frame->truth, count);
+    if (!measure_truth(scatter, first, frame->number,
                        &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
         return false;
     frame->light = scatter_light_square(frame->truth, count);
@@ -182,6 +187,7 @@ struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum 
     struct plan_scatter *scatter = xcalloc(1, sizeof *scatter);
 
     scatter->params = params;
+    scatter->progress.params = params;
     scatter->job = *params->job;
     scatter->job.quality.samples = 1;
     *fault = RENDERER_FAULT_NONE;
@@ -286,6 +292,7 @@ static bool render(struct plan_scatter *scatter, const struct plan *plan, const 
     planned.quality = plan->quality;
     planned.quality.samples = 1;
     ok = draw(&scatter->lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
+    scatter_progress_count_picture(&scatter->progress);
     scatter->fault = result.fault;
     return ok;
 }
