@@ -106,10 +106,13 @@ static struct audit_verdict judge(const struct audit *audit)
 // time.
 static bool is_clear(const struct audit *audit, const struct audit_verdict *verdict)
 {
-    if (audit->params->is_replaceable && verdict->error > audit->params->tolerance &&
+    double error = verdict->error, spread = verdict->spread;
+
+    audit_estimate_join(&audit->params->interpolation, &error, &spread);
+    if (audit->params->is_replaceable && error > audit->params->tolerance &&
         verdict->ray_count >= BELIEVED_FACTOR * find_least(audit->params))
         return true;
-    return fabs(verdict->error - audit->params->tolerance) >= verdict->spread;
+    return fabs(error - audit->params->tolerance) >= spread;
 }
 
 // The number of pixels to measure next; 0: there are enough. Their number doubles each time: every verdict may be

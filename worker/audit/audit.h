@@ -48,6 +48,8 @@ struct audit_params {
     // NULL, or traces pixels of a frame that has some interpolated, 4 floats each: their error alone is then found, and
     // what interpolation adds is not. False stops the audit.
     bool (*on_trace)(void *user, const struct pixel *points, size_t count, float *rgba);
+    // What interpolation adds, or all 0: there are enough pixels when both together are clear.
+    struct audit_verdict interpolation;
     // NULL: none; `done` grows with the number of pixels, towards 1; false stops it
     bool (*on_progress)(void *user, double done);
     void *user;

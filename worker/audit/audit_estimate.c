@@ -143,3 +143,11 @@ struct audit_verdict audit_estimate(const struct audit_evidence *evidence)
     verdict.sampling_error = sqrt(fmax(moments.noise, 0.0)) / light;
     return verdict;
 }
+
+void audit_estimate_join(const struct audit_verdict *verdict, double *error, double *spread)
+{
+    double both = hypot(*error, verdict->error);
+
+    if (both > 0.0) *spread = (*error * *spread + verdict->error * verdict->spread) / both;
+    *error = both;
+}

@@ -49,3 +49,5 @@ struct audit_verdict {
 // pool's, if that is larger. A frame whose own squares are unlike the pool's is judged by them alone.
 // tests/light/audit_coverage_test measures how often the bound holds.
 struct audit_verdict audit_estimate(const struct audit_evidence *evidence);
+// Adds an independent error to another one and its standard error: their squares add up.
+void audit_estimate_join(const struct audit_verdict *verdict, double *error, double *spread);

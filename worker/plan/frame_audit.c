@@ -11,8 +11,6 @@
 #include "worker/plan/plan_shelf.h"
 #include "worker/plan/plan_small.h"
 
-#include <math.h>
-
 enum { VIEW_PIXELS = 64 * 36 }; // of pictures in two steps, where a plan has no views
 
 // An audit that is under way.
@@ -63,7 +61,8 @@ static bool has_own_views(const struct frame_audit *audit)
     return !audit->is_finer && !audit->kept->plan.has_before;
 }
 
-static bool audit_against_reference(struct auditing *auditing, struct audit_result *result)
+static bool audit_against_reference(struct auditing *auditing, const struct audit_verdict *interpolation,
+                                    struct audit_result *result)
 {
     const struct frame_audit *audit = auditing->audit;
     const struct plan_params *params = audit->params;
@@ -79,6 +78,7 @@ static bool audit_against_reference(struct auditing *auditing, struct audit_resu
                                     .tolerance = params->job->quality.tolerance,
                                     .is_replaceable = audit->is_replaceable,
                                     .on_trace = audit->image->doubts ? on_trace : NULL,
+                                    .interpolation = *interpolation,
                                     .on_progress = on_progress,
                                     .user = auditing};
 
@@ -118,10 +118,7 @@ static bool audit_by_steps(struct auditing *auditing, struct audit_result *resul
 
 static void add_interpolation(struct audit_result *result, const struct audit_verdict *verdict)
 {
-    double error = hypot(result->error, verdict->error);
-
-    if (error > 0.0) result->spread = (result->error * result->spread + verdict->error * verdict->spread) / error;
-    result->error = error;
+    audit_estimate_join(verdict, &result->error, &result->spread);
     result->error95 += verdict->error95;
     result->interpolation_error = verdict->error;
 }
@@ -137,7 +134,8 @@ bool frame_audit_run(const struct frame_audit *audit, struct audit_result *resul
     auditing.pixels = (struct pixel_audit){
         .params = audit->params, .planned = &planned, .frame = audit->frame, .image = audit->image};
     if (audit->image->doubts && !pixel_audit_measure(&auditing.pixels, &verdict, fault, error)) return false;
-    if (!(truth_has_twin(audit->params->job) ? audit_against_reference : audit_by_steps)(&auditing, result))
+    if (!(truth_has_twin(audit->params->job) ? audit_against_reference(&auditing, &verdict, result)
+                                             : audit_by_steps(&auditing, result)))
         return false;
     if (audit->image->doubts) add_interpolation(result, &verdict);
     return true;
