@@ -131,7 +131,7 @@ void scatter_sent_meet(inout ScatterSent sent, float rate, int most)
     if (sent.scatterings == 0) sent.weight *= walk_fall(sent.light, here);
     ++sent.scatterings;
     vec3 turned = sent.direction;
-    walk_scatter(field, sent.direction, sent.weight, turned);
+    walk_scatter(field, here, sent.direction, sent.weight, turned);
     sent.weight = scatter_walk_thin(sent.weight);
     scatter_sent_turn(sent, here, turned, false);
 }

@@ -3,6 +3,8 @@
 // one loop follows them all. Free flights and colours are those of integrator/delta.glsl.
 const int SCATTER_GRID_LAST_START = 4000;  // no walk begins in a turn after it
 const float SCATTER_GRID_UNNEEDED = 2e6;   // alpha of nodes without media around: more than there are walks
+const float SCATTER_GRID_SEEN = 0.25;      // of what the best seen node has: one that has more has all walks
+const float SCATTER_GRID_LEAST = 0.03125;  // of all walks: what the camera hardly sees has so many
 
 struct ScatterWalk {
     vec3 position, direction; // where the flight began, and where it looks
@@ -73,44 +75,37 @@ Spectrum scatter_walk_meet(inout ScatterWalk walk, float rate, int most)
     walk_is_cleared = WALK_SIMILAR_AFTER > 0 && walk.scatterings >= WALK_SIMILAR_AFTER;
     light += walk.weight * walk_lit(field, here, walk.direction);
     vec3 turned = walk.direction;
-    walk_scatter(field, walk.direction, walk.weight, turned);
+    walk_scatter(field, here, walk.direction, walk.weight, turned);
     walk.weight = walk.scatterings + 1 < most || WALK_HAS_SKY ? scatter_walk_thin(walk.weight) : spectrum(0.0);
     walk_is_similar = walk_is_cleared;
     scatter_walk_turn(walk, here, turned);
     return light;
 }
 
-// True when light is looked up between the node and its neighbours, `cell` apart: some medium is there. Half cells are
-// looked at, which miss no cell of a majorant that is larger.
-bool scatter_grid_is_needed(vec3 node, vec3 cell)
+// The number of a node's walks, of which what the picture sees of it decides.
+int scatter_grid_wanted(float seen)
 {
-    const vec3 AHEAD = vec3(1.0, 0.0, 0.0);
-    for (int i = 0; i < 125; ++i) {
-        vec3 place = node + 0.5 * cell * vec3(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
-        MediaSpans spans = media_spans(place, AHEAD);
-        vec2 interval = media_interval(spans);
-        float edge = interval.y;
-        if (interval.x <= 0.0 && interval.y > 0.0 &&
-            (!SCATTER_GRID_SKIPS || media_rate(spans, place, AHEAD, 0.0, 0.0, edge) > 0.0))
-            return true;
-    }
-    return false;
+    float most = SCATTER_GRID_SEEN * uintBitsToFloat(cache_sums[0]);
+    float share = most > 0.0 ? clamp(seen / most, SCATTER_GRID_LEAST, 1.0) : 1.0;
+    return int(ceil(share * scatter_grid_paths));
 }
 
-// Goes on with the walks of one node. `index` is the node's, `set` that of its phase function. Their first draws are
-// evenly spread: the sequence of Roberts (The Unreasonable Effectiveness of Quasirandom Sequences, 2018) in three
-// dimensions, shifted at random from node to node.
-void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, int most)
+// Goes on with every SCATTER_GRID_LANES-th walk of one node, from `lane` on. `index` is the node's, `set` that of its
+// phase function. Their first draws are evenly spread: the sequence of Roberts (The Unreasonable Effectiveness of
+// Quasirandom Sequences, 2018) in three dimensions, shifted at random from node to node.
+void scatter_grid_fill(ivec3 texel, int lane, uint index, vec3 node, float seen, int set, int most)
 {
     const uvec3 STRIDES = uvec3(3518319155u, 2882110345u, 2360945575u); // 1 / x, 1 / x^2, 1 / x^3 with x^4 = x + 1
     vec4 kept = imageLoad(cache_image, texel);
-    int wanted = int(scatter_grid_paths);
+    int all = scatter_grid_wanted(seen);
+    int wanted = (all - lane + SCATTER_GRID_LANES - 1) / SCATTER_GRID_LANES;
     int walks = int(kept.a);
-    if (walks < 0 || walks >= wanted) return;
-    if (walks == 0 && !scatter_grid_is_needed(node, cell)) {
+    if (seen < 0.0) {
         imageStore(cache_image, texel, vec4(0.0, 0.0, 0.0, SCATTER_GRID_UNNEEDED));
         return;
     }
+    if (walks < 0 || walks >= wanted) return;
+    if (walks == 0) atomicAdd(cache_sums[1], uint(wanted)); // once: a turn ends no lane without a walk
     vec3 away = node - camera_position;
     float apart = length(away);
     away = apart > 0.0 ? away / apart : vec3(0.0, 0.0, 1.0);
@@ -128,12 +123,14 @@ void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, i
         float share = 0.0;
         if (!goes) {
             if (walks >= wanted || walk.iterations > SCATTER_GRID_LAST_START) break;
-            walk_random_start(uvec2(index & 65535u, index >> 16u), uint(walks), uint(set), 0u);
-            vec3 even = vec3((shift + uint(walks) * STRIDES) >> 8u) * (1.0 / 16777216.0);
-            walk.weight = spectrum(1.0);
+            uint number = uint(lane + walks * SCATTER_GRID_LANES);
+            walk_random_start(uvec2(index & 65535u, index >> 16u), number, uint(set), 0u);
+            vec3 even = vec3((shift + number * STRIDES) >> 8u) * (1.0 / 16777216.0);
+            vec3 toward;
+            walk.weight = spectrum(walk_first(set, node, away, even.xy, toward));
             walk.scatterings = 0;
             walk_is_similar = walk_is_cleared = false;
-            scatter_walk_turn(walk, node, walk_first(set, away, even.xy));
+            scatter_walk_turn(walk, node, toward);
             goes = true;
             share = even.z;
         } else {
@@ -148,11 +145,12 @@ void scatter_grid_fill(ivec3 texel, uint index, vec3 node, vec3 cell, int set, i
             ++walks;
         }
     }
+    atomicAdd(cache_sums[2], uint(walk.iterations + 8) / 16u);
     if (goes) {
         imageStore(cache_image, texel, vec4(0.0, 0.0, 0.0, -1.0));
         return;
     }
     if (walks < wanted) cache_is_unfinished = 1u;
-    float part = walks < wanted ? 1.0 : 1.0 / float(wanted);
+    float part = walks < wanted ? 1.0 : 1.0 / float(all);
     imageStore(cache_image, texel, vec4(spectrum_rgb(sum) * part, float(walks)));
 }

@@ -284,8 +284,8 @@ static void a_grid_takes_no_more_than_512_mebibytes(void **state)
     (void)state;
     scene.quality = "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 256";
     assert_refused(&scene,
-                   "quality.scatter_grid: expected at most about 254 cells here, since a frame's grid takes up to "
-                   "512 MiB; 256 need 518");
+                   "quality.scatter_grid: expected at most about 244 cells here, since a frame's grid takes up to "
+                   "512 MiB; 256 need 583");
     scene.quality = FROM_LIGHTS ", \"scatter_grid\": 240";
     assert_refused(&scene, "quality.scatter_grid: expected at most about 235 cells here");
 }

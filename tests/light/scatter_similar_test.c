@@ -20,8 +20,10 @@
 #define LOBES                                                                                                          \
     "{ \"sigma_s\": [6, 9, 12], \"sigma_a\": [0.4, 0.1, 0.1], \"phase\": [ { \"g\": 0.9, \"weight\": 0.6 },"           \
     " { \"kind\": \"rayleigh\", \"weight\": 0.2 }, { \"g\": -0.3, \"weight\": 0.2 } ], " BALL
+#define SHARPER "{ \"sigma_s\": 8, \"sigma_a\": 0.05, \"phase\": [ { \"g\": 0.95 } ], " BALL
 #define WHITE "{ \"sigma_s\": 12, \"sigma_a\": 0, \"phase\": [ { \"g\": 0.85 } ], " BALL
 #define SUN "{ \"kind\": \"sun\", \"intensity\": [3, 2, 1], \"direction\": [-1, -2, -0.8] },"
+#define LAMP "{ \"kind\": \"point\", \"intensity\": [4, 9, 6], \"position\": [1.5, 0.6, 1.2] },"
 #define SKY "{ \"kind\": \"dome\", \"radiance\": 1 },"
 #define GRID                                                                                                           \
     "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 20, \"scatter_from\": \"nodes\","   \
@@ -73,6 +75,14 @@ static void similar_media_bring_the_light_of_the_reference(void **state)
     assert_true(fabs(assert_true_to(LOBES, SUN SKY, SIMILAR, 0.03)) < 0.015);
 }
 
+// In so sharp a lobe walks look for the lamp. The limits are twice what grid, walks and similar media err by here.
+static void sharp_lobes_bring_the_light_of_the_reference(void **state)
+{
+    (void)state;
+    assert_true(fabs(assert_true_to(SHARPER, SUN, GRID ", \"similar_after\": 8", 0.12)) < 0.03);
+    assert_true(fabs(assert_true_to(SHARPER, SUN LAMP, GRID ", \"similar_after\": 8", 0.12)) < 0.03);
+}
+
 // All that is scattered comes from the sky, however often and by whatever media.
 static void white_furnace_is_even(void **state)
 {
@@ -90,6 +100,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(similar_media_bring_the_light_of_the_reference),
+        cmocka_unit_test(sharp_lobes_bring_the_light_of_the_reference),
         cmocka_unit_test(white_furnace_is_even),
     };
 

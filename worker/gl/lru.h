@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LRU_LIMIT = 100 };
+enum { LRU_LIMIT = 104 };
 
 // The owner has the things themselves, in an array with the same indices.
 struct lru {

@@ -31,7 +31,7 @@ size_t scene_cache_size_bytes(const struct scene_cache *cache)
 {
     return (size_t)cache->size[0] * (size_t)cache->size[1] * (size_t)cache->size[2] *
                formats[cache->format].size_bytes +
-           cache->sum_count * sizeof(uint32_t);
+           (cache->reads_sums ? 0 : cache->sum_count * sizeof(uint32_t));
 }
 
 bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,
@@ -56,7 +56,7 @@ bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, 
         fputs("layout(std430, binding = 0) buffer CacheTurns { uint cache_is_unfinished; };\n", text->out);
     if (cache->sum_count > 0 || cache->reads_sums)
         fprintf(text->out, "layout(std430, binding = 1) %sbuffer CacheSums { uint cache_sums[]; };\n",
-                cache->reads_sums ? "readonly " : "");
+                cache->sum_count == 0 ? "readonly " : "");
     return true;
 }
 

@@ -12,8 +12,15 @@
 #include <stdint.h>
 
 enum {
-    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT) + 2,
+    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT) + 3,
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
+};
+
+enum { SCENE_CACHE_STEPS = 16 };
+
+// Random walks, and how often they looked at media.
+struct scene_cache_walks {
+    double walks, steps;
 };
 
 enum scene_cache_format { SCENE_CACHE_R32F, SCENE_CACHE_RG32F, SCENE_CACHE_RGBA32F };
@@ -39,7 +46,9 @@ struct scene_cache {
     bool takes_turns;
     // Whole numbers beside the texture, which begin as 0 and which the program adds to; the next cache reads them.
     size_t sum_count;
-    bool reads_sums;  // of the cache before
+    bool reads_sums; // of the cache before; with a sum_count of its own it adds to them, too
+    // The last sums are the number of random walks that it has begun, and a SCENE_CACHE_STEPS-th of their steps.
+    bool counts_walks;
     bool is_step;     // only other caches read it: it is released when they are filled
     bool reads_files; // its values depend on the frame's files
     uint64_t reads;   // bit i: it samples cache i of the program, an earlier one

@@ -17,14 +17,15 @@ enum medium_texture {
 };
 
 enum {
-    TEXTURE_UNIT_MEDIA = 0,       // MEDIUM_TEXTURE_COUNT a medium
-    TEXTURE_UNIT_OBJECTS = 32,    // an object's image
-    TEXTURE_UNIT_LIGHTS = 48,     // the columns of a light's grid
-    TEXTURE_UNIT_BAKED = 64,      // the grid of a density that is baked, one a medium
-    TEXTURE_UNIT_DOME = 72,       // the image of a dome
-    TEXTURE_UNIT_DOME_TABLE = 73, // by which directions to it are drawn
-    TEXTURE_UNIT_SCATTER = 74,    // the grid of scattered light
-    TEXTURE_UNIT_LIMIT = 75       // GL 4.5 has at least 96
+    TEXTURE_UNIT_MEDIA = 0,         // MEDIUM_TEXTURE_COUNT a medium
+    TEXTURE_UNIT_OBJECTS = 32,      // an object's image
+    TEXTURE_UNIT_LIGHTS = 48,       // the columns of a light's grid
+    TEXTURE_UNIT_BAKED = 64,        // the grid of a density that is baked, one a medium
+    TEXTURE_UNIT_DOME = 72,         // the image of a dome
+    TEXTURE_UNIT_DOME_TABLE = 73,   // by which directions to it are drawn
+    TEXTURE_UNIT_SCATTER = 74,      // the grid of scattered light
+    TEXTURE_UNIT_SCATTER_SEEN = 75, // what the picture sees of its nodes
+    TEXTURE_UNIT_LIMIT = 76         // GL 4.5 has at least 96
 };
 
 static_assert(TEXTURE_UNIT_MEDIA + MEDIUM_TEXTURE_COUNT * SCENE_MEDIUM_LIMIT <= TEXTURE_UNIT_OBJECTS, "media");

@@ -194,10 +194,18 @@ size_t scatter_grid_node_count(const struct scatter_grid *grid)
     return (size_t)grid->nodes[0] * (size_t)grid->nodes[1] * (size_t)grid->nodes[2];
 }
 
+int scatter_grid_lane_count(const struct scatter_grid *grid)
+{
+    static const size_t nodes_most = (size_t)1 << 19; // 64 MiB of texels of eight lanes
+
+    return scatter_grid_node_count(grid) * grid->group_count <= nodes_most ? 8 : 1;
+}
+
 bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error)
 {
     static const double limit = 512.0 * 1024 * 1024, texel = 16, sum = 8; // bytes
-    double fill = grid->is_from_lights ? sum * (grid->is_rgb ? 3 : 1) : texel;
+    double seen = 4, lanes = scatter_grid_lane_count(grid);
+    double fill = grid->is_from_lights ? sum * (grid->is_rgb ? 3 : 1) : seen + texel * lanes;
     double size = (texel + fill) * (double)grid->group_count * (double)scatter_grid_node_count(grid);
 
     if (size <= limit) return true;

@@ -51,6 +51,8 @@ void scatter_grid_add_values(struct frame_uniforms *uniforms, const struct scatt
 bool scatter_grid_is_similar(const struct scatter_grid *grid);
 // The nodes of one set of values.
 size_t scatter_grid_node_count(const struct scatter_grid *grid);
+// How many invocations share the walks of a node, so that those beside each other have as many: 1 where nodes are many.
+int scatter_grid_lane_count(const struct scatter_grid *grid);
 // Fails, naming quality.scatter_grid, where the grid and what fills it take more than 512 MiB.
 bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error);
 // How many invocations send the particles that fill a grid, in rows of SCATTER_GRID_ROW.

@@ -80,6 +80,8 @@ bool frame_layers_add(struct renderer *renderer, frame_layers_render *render, co
     if (ok) add(frame->image, &light);
     result->seconds += seen.seconds;
     result->cache_fills += seen.cache_fills;
+    result->walks += seen.walks;
+    result->steps += seen.steps;
     result->step = seen.step;
     image_finish(&light);
     return ok;

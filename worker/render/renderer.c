@@ -219,6 +219,7 @@ static bool render_frame(struct renderer *renderer, struct rendering *rendering,
     struct renderer_result *result = rendering->result;
     struct drawing *drawing = &rendering->drawing;
     int64_t fills = gl_caches_count_fills(renderer->tools.caches);
+    struct scene_cache_walks before = gl_caches_count_walks(renderer->tools.caches), walked;
     struct scene_program scene;
     struct passes passes = {0};
     double start = clock_now_s();
@@ -238,6 +239,9 @@ static bool render_frame(struct renderer *renderer, struct rendering *rendering,
         ok = render_scene(renderer, rendering, &scene, &passes, error);
         result->seconds = clock_now_s() - start;
         result->cache_fills = gl_caches_count_fills(renderer->tools.caches) - fills;
+        walked = gl_caches_count_walks(renderer->tools.caches);
+        result->walks = walked.walks - before.walks;
+        result->steps = walked.steps - before.steps;
         memcpy(renderer->shader_hash, scene.hash, sizeof renderer->shader_hash);
         result->shader_hash = renderer->shader_hash;
     }

@@ -13,6 +13,8 @@
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/integrators.h"
 #include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scatter_media_glue.h"
+#include "worker/shader/scatter_seen_glue.h"
 #include "worker/shader/scatter_send_glue.h"
 #include "worker/shader/scatter_walk_glue.h"
 #include "worker/shader/scene_glue.h"
@@ -33,8 +35,6 @@ void scatter_grid_glue_write_lookup(FILE *out, const struct scatter_grid *grid, 
                 i, grid->groups[i], grid->group_count, model->features.is_rgb ? "rgb" : "r");
     }
 }
-
-enum { MAJORANT_VOXELS = 4 }; // half the side of bricks of voxels, each with a majorant; they may be turned
 
 static void write_main_from_lights(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
 {
@@ -57,17 +57,13 @@ static void write_main(FILE *out, const struct scatter_grid *grid, const struct 
             "    int index = at.x + at.y * %d;\n"
             "    if (index >= size.x * size.y * size.z) return;\n"
             "    ivec3 texel = ivec3(index %% size.x, index / size.x %% size.y, index / (size.x * size.y));\n"
-            "    int layers = size.z / %zu;\n"
-            "    vec3 share = vec3(texel.xy, texel.z %% layers) / vec3(size.xy - 1, layers - 1);\n"
-            "    scatter_grid_fill(texel, uint(index), scatter_grid_low + share * scatter_grid_size, "
-            "scatter_grid_size / vec3(size.xy - 1, layers - 1), texel.z / layers, %d);\n}\n",
+            "    ivec3 nodes = size / ivec3(SCATTER_GRID_LANES, 1, %zu);\n"
+            "    ivec3 node = ivec3(texel.x / SCATTER_GRID_LANES, texel.y, texel.z %% nodes.z);\n"
+            "    vec3 share = vec3(node) / vec3(nodes - 1);\n"
+            "    scatter_grid_fill(texel, texel.x %% SCATTER_GRID_LANES, uint(index / SCATTER_GRID_LANES), "
+            "scatter_grid_low + share * scatter_grid_size, texelFetch(scatter_seen, node, 0).r, texel.z / nodes.z, "
+            "%d);\n}\n",
             SCENE_CACHE_GROUP_SIDE, grid->group_count, orders);
-}
-
-static void add_densities(struct shader_assembly *text, const struct scene_model *walked)
-{
-    for (size_t i = 0; i < walked->features.medium_count; ++i)
-        if (walked->features.media[i].is_seen) scene_modules_add_density(text, walked, i);
 }
 
 static void add_lights(struct shader_assembly *text, const struct scatter_grid_program *program)
@@ -103,30 +99,28 @@ static int channel_count(const struct scatter_grid *grid)
     return grid->is_rgb ? 3 : 1;
 }
 
-// True when none of the majorants' cells lies between points that are half a cell of the grid apart.
-static bool skips(const struct scatter_grid *grid)
+static void write_lanes(FILE *out, const struct scatter_grid *grid)
 {
-    return !grid->inputs || 0.5 * grid->cell_m < MAJORANT_VOXELS * scene_inputs_find_voxel(grid->inputs);
-}
-
-static bool has_forward_lobe(const struct scatter_grid_program *program)
-{
-    const struct scatter_grid *grid = program->grid;
-
-    for (size_t k = 0; k < grid->medium_count; ++k)
-        for (size_t i = 0; i < SCENE_LOBE_LIMIT; ++i)
-            if (program->walked->features.media[grid->media[k]].lobes[i] == LOBE_HENYEY_GREENSTEIN) return true;
-    return false;
+    fprintf(out, "const int SCATTER_GRID_LANES = %d;\n", scatter_grid_lane_count(grid));
 }
 
 static void add_walks(struct shader_assembly *text, const struct scatter_grid_program *program,
                       const struct scene_cache *cache)
 {
-    if (scatter_grid_is_similar(program->grid) && has_forward_lobe(program))
+    struct scatter_walk_text walks = {.model = program->walked, .grid = program->grid};
+
+    if (scatter_grid_is_similar(program->grid) && scatter_walk_glue_is_forward(program->walked, program->grid))
         shader_assembly_add(text, "scatter_grid/similar.glsl");
+    if (scatter_walk_glue_is_sharp(program->walked, program->grid)) {
+        shader_assembly_generate(text);
+        walks.lamp_count = scatter_walk_glue_write_lamps(text->out, program->walked);
+        if (walks.lamp_count > 0) shader_assembly_add(text, "scatter_grid/aim.glsl");
+    }
     shader_assembly_generate(text);
-    scatter_walk_glue_write(text->out, program->walked, program->grid);
-    fprintf(text->out, "const bool SCATTER_GRID_SKIPS = %s;\n", skips(program->grid) ? "true" : "false");
+    walks.out = text->out;
+    scatter_walk_glue_write(&walks);
+    fprintf(text->out, "layout(binding = %d) uniform sampler3D scatter_seen;\n", TEXTURE_UNIT_SCATTER_SEEN);
+    write_lanes(text->out, program->grid);
     shader_assembly_add(text, "scatter_grid/walk.glsl");
     shader_assembly_generate(text);
     write_main(text->out, program->grid, cache);
@@ -142,7 +136,7 @@ static void add_particles(struct shader_assembly *text, const struct scatter_gri
 {
     shader_assembly_add(text, "scatter_grid/sources.glsl");
     shader_assembly_generate(text);
-    scatter_walk_glue_write_scatter(text->out, program->walked, program->grid);
+    scatter_walk_glue_write_scatter(&(struct scatter_walk_text){text->out, program->walked, program->grid, 0});
     scatter_send_glue_write(text->out, program->walked, program->grid);
     write_channels(text->out, program->grid);
     shader_assembly_add(text, "scatter_grid/send.glsl");
@@ -150,28 +144,24 @@ static void add_particles(struct shader_assembly *text, const struct scatter_gri
     write_main_from_lights(text->out, program->grid, cache);
 }
 
+// What was aimed at a lamp is faint, and meets light that is not.
+static void write_faint(FILE *out, const struct scatter_grid_program *program)
+{
+    bool aims = !program->grid->is_from_lights && scatter_walk_glue_is_sharp(program->walked, program->grid);
+
+    fprintf(out, "const float SCATTER_GRID_FAINT = %s; // what carries less ends at random\n", aims ? "0.02" : "0.25");
+}
+
 static bool assemble(struct scene_cache *cache, const struct scatter_grid_program *program, const char *shader_dir,
                      struct error *error)
 {
-    const struct scene_model *walked = program->walked;
     struct shader_assembly text;
 
     if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
-    shader_assembly_add(&text, "math/constants.glsl");
-    shader_assembly_add(&text, walked->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
-    shader_assembly_generate(&text);
-    frame_uniforms_declare(&cache->uniforms, text.out);
-    shader_assembly_add(&text, "math/march.glsl");
-    shader_assembly_add(&text, "math/random.glsl");
-    shader_assembly_add(&text, "scatter/random.glsl");
-    shader_assembly_add(&text, "region/span.glsl");
-    add_densities(&text, walked);
-    shader_assembly_generate(&text);
-    scene_glue_write_media(text.out, walked);
-    shader_assembly_add(&text, "math/tracking.glsl");
-    shader_assembly_generate(&text);
-    scene_glue_write_tracking(text.out, walked);
+    scatter_media_glue_add(&text, program, cache);
     add_lights(&text, program);
+    shader_assembly_generate(&text);
+    write_faint(text.out, program);
     shader_assembly_add(&text, "scatter_grid/turns.glsl");
     if (program->grid->is_from_lights)
         add_particles(&text, program, cache);
@@ -191,14 +181,18 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
                                 .invocations = {grid->nodes[0], grid->nodes[1], layers}};
 }
 
-// Walks from the nodes: an invocation each, in a table that has strips.
-static void lay_walks(struct scene_cache *cache)
+// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips.
+static void lay_walks(struct scene_cache *cache, const struct scatter_grid *grid)
 {
-    int nodes = cache->size[0] * cache->size[1] * cache->size[2];
+    int lanes;
 
+    cache->size[0] *= scatter_grid_lane_count(grid);
+    lanes = cache->size[0] * cache->size[1] * cache->size[2];
     cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
-    cache->invocations[1] = (nodes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[1] = (lanes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
     cache->invocations[2] = 1;
+    cache->reads_sums = cache->counts_walks = true;
+    cache->sum_count = SCATTER_SEEN_SUMS;
 }
 
 // Particles: an invocation keeps four texels, and all add to the sums.
@@ -221,12 +215,11 @@ static bool make_means(struct scene_cache *cache, const struct scatter_grid_prog
     if (grid->is_from_lights)
         lay_particles(cache, grid);
     else
-        lay_walks(cache);
+        lay_walks(cache, grid);
     cache->takes_turns = cache->is_step = true;
     cache->reads = program->reads;
     snprintf(cache->name, sizeof cache->name, "scatter_means");
-    for (size_t i = 0; i < walked->features.medium_count; ++i)
-        cache->reads_files |= walked->features.media[i].is_seen && walked->inputs && walked->inputs->media[i].source;
+    cache->reads_files = scatter_media_glue_reads_files(program);
     scene_values_add(&cache->uniforms, walked);
     scatter_grid_add_values(&cache->uniforms, grid);
     if (grid->is_from_lights)
@@ -274,6 +267,7 @@ static bool make_kept(struct scene_cache *cache, const struct scatter_grid *grid
         add_keep_sums(&text, cache, grid);
         return scene_cache_end(cache, &text);
     }
+    write_lanes(text.out, grid);
     shader_assembly_add(&text, "scatter_grid/keep.glsl");
     shader_assembly_generate(&text);
     fprintf(text.out,
@@ -287,7 +281,14 @@ static bool make_kept(struct scene_cache *cache, const struct scatter_grid *grid
 bool scatter_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct scatter_grid_program *program,
                                   const char *shader_dir, struct error *error)
 {
-    if (!make_means(&caches[*count], program, shader_dir, error)) return false;
+    struct scatter_grid_program filled = *program;
+
+    if (!program->grid->is_from_lights) {
+        if (!scatter_seen_glue_make(&caches[*count], program, shader_dir, error)) return false;
+        filled.reads |= (uint64_t)1 << *count;
+        *count += 1;
+    }
+    if (!make_means(&caches[*count], &filled, shader_dir, error)) return false;
     *count += 1;
     if (!make_kept(&caches[*count], program->grid, shader_dir, error)) return false;
     caches[*count].reads = (uint64_t)1 << (*count - 1);

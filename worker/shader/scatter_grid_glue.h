@@ -4,12 +4,11 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
 struct error;
-struct light_grid;
 struct scatter_grid;
+struct scatter_grid_program;
 struct scene_cache;
 struct scene_model;
 
@@ -17,15 +16,7 @@ struct scene_model;
 // that was scattered before, weighed by the medium's phase function towards the camera.
 void scatter_grid_glue_write_lookup(FILE *out, const struct scatter_grid *grid, const struct scene_model *model);
 
-struct scatter_grid_program {
-    const struct scatter_grid *grid;
-    const struct scene_model *walked;     // of the walks: its features have fills_grid
-    const struct light_grid *light_grids; // of the visible lights, in order, where the walks' model has light grids
-    size_t light_grid_count;
-    uint64_t reads; // bit i: it samples cache i of the program
-};
-
-// Appends the caches that make the texture: the means of walks, then these prepared for interpolation. `caches` has
-// room for both.
+// Appends the caches that make the texture: what the picture sees of each node, the means of walks, and these prepared
+// for interpolation. `caches` has room for them.
 bool scatter_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct scatter_grid_program *program,
                                   const char *shader_dir, struct error *error);

@@ -78,10 +78,61 @@ static void write_sky(FILE *out, const struct scene_model *model)
     fprintf(out, "    return light;\n}\nconst bool WALK_HAS_SKY = %s;\n", has_dome ? "true" : "false");
 }
 
-// Among several media one is drawn by its share of what is scattered.
-static void write_scatter(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+static bool is_forward(const struct scene_model *model, size_t medium)
 {
-    fputs("void walk_scatter(MediaField field, vec3 direction, inout Spectrum weight, out vec3 turned)\n{\n", out);
+    for (size_t i = 0; i < SCENE_LOBE_LIMIT; ++i)
+        if (model->features.media[medium].lobes[i] == LOBE_HENYEY_GREENSTEIN) return true;
+    return false;
+}
+
+// Looking for lamps pays where a lobe is so sharp that its peak is seldom found. docs/rendering.md has the measurement.
+static bool is_sharp(const struct scene_model *model, size_t medium)
+{
+    static const double SHARP = 0.9; // g
+    const struct scene_medium *scattering = &model->job->scene.media[medium];
+
+    for (size_t i = 0; i < scattering->lobe_count; ++i) {
+        const struct scene_phase_lobe *lobe = &scattering->lobes[i];
+        double g[3];
+
+        if (lobe->kind != SCENE_LOBE_HENYEY_GREENSTEIN) continue;
+        timeline_evaluate(&lobe->g, 0.0, g);
+        if (!timeline_is_constant(&lobe->g) || g[0] >= SHARP) return true;
+    }
+    return false;
+}
+
+static bool aims(const struct scatter_walk_text *text, size_t medium)
+{
+    return text->lamp_count > 0 && is_sharp(text->model, medium);
+}
+
+static void write_turn(const struct scatter_walk_text *text, size_t i)
+{
+    static const char draw[] = "vec2(walk_random(), walk_random())";
+
+    if (!aims(text, i)) {
+        fputs("    turned = ", text->out);
+        scatter_similar_glue_write_turn(text->out, text->grid, i, draw);
+        fputs(";\n", text->out);
+        return;
+    }
+    if (scatter_grid_is_similar(text->grid))
+        fprintf(text->out, "    if (walk_is_similar) turned = medium_%zu_similar_turned(direction, %s);\n    else", i,
+                draw);
+    fprintf(text->out, "    weight *= medium_%zu_aim(point, direction, %s, turned);\n", i, draw);
+}
+
+// Among several media one is drawn by its share of what is scattered.
+static void write_scatter(const struct scatter_walk_text *text)
+{
+    const struct scatter_grid *grid = text->grid;
+    const struct scene_model *model = text->model;
+    FILE *out = text->out;
+
+    fputs("void walk_scatter(MediaField field, vec3 point, vec3 direction, inout Spectrum weight, out vec3 turned)\n"
+          "{\n",
+          out);
     scene_glue_write_densities(out, model);
     if (grid->medium_count > 1) fputs("    float all = 0.0;\n", out);
     for (size_t k = 0; k < grid->medium_count; ++k) {
@@ -97,11 +148,10 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
         size_t i = grid->media[k];
 
         fprintf(out,
-                "    if (draw < spectrum_mean(part_%zu)) {\n        weight = part_%zu * (all / "
-                "spectrum_mean(part_%zu));\n        turned = ",
+                "    if (draw < spectrum_mean(part_%zu)) {\n    weight = part_%zu * (all / spectrum_mean(part_%zu));\n",
                 i, i, i);
-        scatter_similar_glue_write_turn(out, grid, i, "vec2(walk_random(), walk_random())");
-        fprintf(out, ";\n        return;\n    }\n    draw -= spectrum_mean(part_%zu);\n", i);
+        write_turn(text, i);
+        fprintf(out, "    return;\n    }\n    draw -= spectrum_mean(part_%zu);\n", i);
     }
     if (grid->medium_count > 1)
         fprintf(out,
@@ -110,36 +160,92 @@ static void write_scatter(FILE *out, const struct scene_model *model, const stru
                 grid->media[grid->medium_count - 1], grid->media[grid->medium_count - 1]);
     else
         fprintf(out, "    weight = part_%zu;\n", grid->media[0]);
-    fputs("    turned = ", out);
-    scatter_similar_glue_write_turn(out, grid, grid->media[grid->medium_count - 1],
-                                    "vec2(walk_random(), walk_random())");
-    fputs(";\n}\n", out);
+    write_turn(text, grid->media[grid->medium_count - 1]);
+    fputs("}\n", out);
 }
 
-static void write_first(FILE *out, const struct scatter_grid *grid)
-{
-    fputs("vec3 walk_first(int set, vec3 direction, vec2 draw)\n{\n", out);
-    for (size_t group = 0; group + 1 < grid->group_count; ++group)
-        fprintf(out, "    if (set == %zu) return medium_%zu_turned(direction, draw);\n", group, grid->leaders[group]);
-    fprintf(out, "    return medium_%zu_turned(direction, draw);\n}\n", grid->leaders[grid->group_count - 1]);
-}
-
-void scatter_walk_glue_write_scatter(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+bool scatter_walk_glue_is_forward(const struct scene_model *model, const struct scatter_grid *grid)
 {
     for (size_t k = 0; k < grid->medium_count; ++k)
-        scatter_similar_glue_write_turned(out, model, grid->media[k], false);
-    write_scatter(out, model, grid);
-    fprintf(out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n", model->features.is_rgb ? "" : ".r");
+        if (is_forward(model, grid->media[k])) return true;
+    return false;
 }
 
-void scatter_walk_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
+bool scatter_walk_glue_is_sharp(const struct scene_model *model, const struct scatter_grid *grid)
 {
-    scatter_similar_glue_write(out, model, grid);
-    scatter_walk_glue_write_scatter(out, model, grid);
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        if (is_sharp(model, grid->media[k])) return true;
+    return false;
+}
+
+int scatter_walk_glue_write_lamps(FILE *out, const struct scene_model *model)
+{
+    int lamps = 0;
+
+    fputs("vec3 walk_lamp(int lamp, vec3 point)\n{\n", out);
+    for (size_t i = 0; model->features.media_are_lit && i < model->job->scene.light_count; ++i)
+        if (model->features.light_is_marched[i])
+            fprintf(out, "    if (lamp == %d) return light_%zu(point).direction;\n", lamps++, i);
+    fprintf(out, "    return vec3(0.0, 0.0, 1.0);\n}\nconst int WALK_LAMPS = %d;\n", lamps);
+    return lamps;
+}
+
+static void write_aim(FILE *out, size_t i)
+{
+    fprintf(out,
+            "float medium_%zu_aim(vec3 point, vec3 direction, vec2 share, out vec3 turned)\n{\n"
+            "    float lit = 0.0;\n"
+            "    vec3 about = scatter_aim_about(point, direction, share);\n"
+            "    turned = medium_%zu_turned(about, share);\n"
+            "    for (int i = 0; i < WALK_LAMPS; ++i)\n        lit += medium_%zu_phase(walk_lamp(i, point), turned);\n"
+            "    return scatter_aim_weight(medium_%zu_phase(direction, turned), lit);\n}\n",
+            i, i, i, i);
+}
+
+static void write_first_of(const struct scatter_walk_text *text, size_t leader)
+{
+    if (aims(text, leader))
+        fprintf(text->out, "    return medium_%zu_aim(node, away, share, toward);\n", leader);
+    else
+        fprintf(text->out, "    toward = medium_%zu_turned(away, share);\n    return 1.0;\n", leader);
+}
+
+static void write_first(const struct scatter_walk_text *text)
+{
+    const struct scatter_grid *grid = text->grid;
+
+    fputs("float walk_first(int set, vec3 node, vec3 away, vec2 share, out vec3 toward)\n{\n", text->out);
+    for (size_t group = 0; group + 1 < grid->group_count; ++group) {
+        fprintf(text->out, "    if (set == %zu) {\n", group);
+        write_first_of(text, grid->leaders[group]);
+        fputs("    }\n", text->out);
+    }
+    write_first_of(text, grid->leaders[grid->group_count - 1]);
+    fputs("}\n", text->out);
+}
+
+void scatter_walk_glue_write_scatter(const struct scatter_walk_text *text)
+{
+    const struct scatter_grid *grid = text->grid;
+
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        scatter_similar_glue_write_turned(text->out, text->model, grid->media[k], false);
+        if (aims(text, grid->media[k])) write_aim(text->out, grid->media[k]);
+    }
+    write_scatter(text);
+    fprintf(text->out, "Spectrum walk_kept(vec3 rgb)\n{\n    return rgb%s;\n}\n",
+            text->model->features.is_rgb ? "" : ".r");
+}
+
+void scatter_walk_glue_write(const struct scatter_walk_text *text)
+{
+    scatter_similar_glue_write(text->out, text->model, text->grid);
+    scatter_walk_glue_write_scatter(text);
     // Media that glow without extinction have no collisions.
-    fprintf(out, "const float WALK_SAMPLES = %s;\n", model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
-    write_emission(out, model);
-    write_lit(out, model, grid);
-    write_sky(out, model);
-    write_first(out, grid);
+    fprintf(text->out, "const float WALK_SAMPLES = %s;\n",
+            text->model->features.has_emission ? "TRACKING_SAMPLES" : "0.0");
+    write_emission(text->out, text->model);
+    write_lit(text->out, text->model, text->grid);
+    write_sky(text->out, text->model);
+    write_first(text);
 }

@@ -16,6 +16,7 @@
 #include "worker/shader/integrators.h"
 #include "worker/shader/light_grid_glue.h"
 #include "worker/shader/scatter_grid_glue.h"
+#include "worker/shader/scatter_media_glue.h"
 #include "worker/shader/scene_glue.h"
 #include "worker/shader/scene_glue_gather.h"
 #include "worker/shader/scene_glue_media.h"

@@ -36,6 +36,7 @@ struct gl_caches {
     struct lru lru;       // keyed by the hash of all that the values depend on; a moment is one binding
     unsigned textures[KEPT_LIMIT];
     int64_t fill_count;
+    struct scene_cache_walks walked;
 };
 
 struct gl_caches *gl_caches_create(const struct gl_functions *gl, struct gl_programs *programs)
@@ -81,6 +82,11 @@ void gl_caches_destroy(struct gl_caches *caches)
 int64_t gl_caches_count_fills(const struct gl_caches *caches)
 {
     return caches->fill_count;
+}
+
+struct scene_cache_walks gl_caches_count_walks(const struct gl_caches *caches)
+{
+    return caches->walked;
 }
 
 // Hashes all that the cache's values depend on into its key; `keys` has those of the caches before it.
@@ -216,6 +222,17 @@ static bool begin_sums(struct gl_caches *caches, const struct scene_cache *cache
     return true;
 }
 
+static void count_walks(struct gl_caches *caches, const struct scene_cache *cache)
+{
+    GLuint counts[2] = {0};
+
+    caches->gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    caches->gl->GetNamedBufferSubData(caches->sums_buffer, (GLintptr)((cache->sum_count - 2) * sizeof *counts),
+                                      sizeof counts, counts);
+    caches->walked.walks += counts[0];
+    caches->walked.steps += (double)SCENE_CACHE_STEPS * counts[1];
+}
+
 static bool fill(struct gl_caches *caches, struct kept_program *program, const struct gl_caches_request *request,
                  size_t i, unsigned texture)
 {
@@ -232,6 +249,7 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
                          internal_formats[cache->format]);
     if (!run_strips(caches, program, cache, request)) return false;
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    if (cache->counts_walks) count_walks(caches, cache);
     caches->fill_count++;
     return true;
 }

@@ -40,4 +40,5 @@ struct gl_caches_request {
 // read. Changes the program in use and the uniform buffer bound to 0. The caller checks GL's errors.
 enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_caches_request *request,
                                   struct error *error);
-int64_t gl_caches_count_fills(const struct gl_caches *caches); // fills since gl_caches_create
+int64_t gl_caches_count_fills(const struct gl_caches *caches);                  // fills since gl_caches_create
+struct scene_cache_walks gl_caches_count_walks(const struct gl_caches *caches); // since then, of caches that count them
