@@ -4,7 +4,6 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
-#include "core/scene/light_rules.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
 #include "worker/model/scene_features.h"
@@ -12,51 +11,34 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
-#include "worker/plan/scatter_light.h"
+#include "worker/plan/scatter_march.h"
 #include "worker/plan/scatter_pace.h"
-#include "worker/plan/scatter_progress.h"
 #include "worker/plan/scatter_search.h"
+#include "worker/plan/scatter_truth.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    PIXELS = 16 * 12, // of each frame; more where
-    LIT = 64,         // fewer than that would make up its light,
-    PIXELS_MOST = 32 * 24,
-    LIGHT_GRID_RUNG = 6 // of paths: 64 cells, whose error is a few thousandths of the light
-};
+enum { LIGHT_GRID_RUNG = 6 }; // of paths: 64 cells, whose error is a few thousandths of the light
 
 // Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
-static const double SHARE = 0.65, FIRST_SHARE = 0.4;
+static const double SHARE = 0.75, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
-// The accuracy asked of reference/, relative to the tolerance; that of light that is only weighed.
-static const double ACCURACY_SHARE = 0.66, ROUGH_ACCURACY = 0.1;
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
-static const double FLOOR_SHARE = 0.2; // of the light's RMS: darker pixels are measured as if they had so much
-static const double ALL_PART = 0.9;    // of the time for a frame's light; the rest is for the first order
-static const double PATHS_MOST = 6e6;  // that the search may trace: some seconds of a processor
-
-struct frame {
-    int32_t number;
-    struct truth_pixel *truth; // owned; of the lattice's pixels
-    double light;              // mean square
-};
+// That of each axis of a march which brings scattered light.
+static const double MARCH_SHARE = 0.15;
+// Paths that the search may trace: some seconds of a processor. Segments of more frames than MANY may take more.
+static const double PATHS_MOST = 8e6, MANY = 6.0, MORE_MOST = 4.0;
 
 struct plan_scatter {
     const struct plan_params *params; // borrowed
-    struct job job;                   // a shallow copy, with one sample
-    struct plan_lattice lattice;
-    struct frame frames[PLAN_PILOT_LIMIT];
-    int frame_count;
-    double first_share; // RMS of the first order over that of all
-    int worst;          // the frame that the search measures
-    struct plan *plan;  // that is completed
+    struct scatter_truth truth;
+    int worst;         // the frame that the search measures
+    struct plan *plan; // that is completed
     size_t paths_family;
-    struct scatter_progress progress;
     struct scatter_pace paces[SCATTER_PACE_KINDS];
     enum renderer_fault fault;
     struct error error;
@@ -64,121 +46,7 @@ struct plan_scatter {
 
 static size_t pixel_count(const struct plan_scatter *scatter)
 {
-    return plan_lattice_count(&scatter->lattice);
-}
-
-static struct job first_of(const struct job *job)
-{
-    struct job first = *job;
-
-    first.scene.orders = 1;
-    first.scene.light_count = 0;
-    for (size_t i = 0; i < job->scene.light_count; i++)
-        if (!light_rules_of(job->scene.lights[i].kind)->has_size)
-            first.scene.lights[first.scene.light_count++] = job->scene.lights[i];
-    return first;
-}
-
-static bool measure_truth(struct plan_scatter *scatter, const struct job *job, int32_t number,
-                          const struct integrate_accuracy *accuracy, struct truth_pixel *pixels)
-{
-    struct truth *truth =
-        truth_open(&(struct truth_params){.job = job, .frame = number, .is_for_plan = true}, &scatter->error);
-    size_t count = pixel_count(scatter), measured;
-
-    scatter->fault = RENDERER_FAULT_FRAME;
-    if (!truth) return false;
-    measured = truth_measure_many(truth, &(struct truth_many){.points = scatter->lattice.pixels,
-                                                              .pixels = pixels,
-                                                              .count = count,
-                                                              .accuracy = accuracy,
-                                                              .on_progress = scatter_progress_on_pixel,
-                                                              .user = &scatter->progress,
-                                                              .done = &scatter->progress.done});
-    truth_close(truth);
-    if (measured == count) return true;
-    scatter->fault = RENDERER_FAULT_STOPPED;
-    error_set(&scatter->error, "the frame was stopped");
-    return false;
-}
-
-// A few paths tell how bright the pixels are.
-static const struct integrate_accuracy LEAST_ACCURACY = {.relative = 10.0, .floor = AUDIT_BLACK};
-
-// Where few pixels have most of the light, errors would be known by few: the lattice becomes finer.
-static bool choose_lattice(struct plan_scatter *scatter)
-{
-    const struct plan_segment *segment = &scatter->params->segment;
-    struct truth_pixel *pixels;
-    double lit = LIT;
-    bool ok;
-
-    plan_lattice_init(&scatter->lattice, scatter->params->job, PIXELS);
-    pixels = xcalloc(pixel_count(scatter), sizeof *pixels);
-    ok = measure_truth(scatter, &scatter->job, segment->pilot[segment->pilot_count / 2], &LEAST_ACCURACY, pixels);
-    if (ok) lit = scatter_light_count(pixels, pixel_count(scatter));
-    free(pixels);
-    if (lit >= LIT) return ok;
-    plan_lattice_finish(&scatter->lattice);
-    plan_lattice_init(&scatter->lattice, scatter->params->job, (int)fmin(PIXELS * LIT / fmax(lit, 1.0), PIXELS_MOST));
-    return true;
-}
-
-// Paths of pixels without grids of lights have noise alone, which two pictures tell by themselves: what they are
-// compared with is only weighed.
-static bool may_have_grids(const struct job *job)
-{
-    struct plan_scene scene;
-
-    plan_scene_init(&scene, job);
-    for (size_t i = 0; i < plan_family_count; i++)
-        if (plan_families[i].axis_count > 1 && plan_family_serves(&plan_families[i], &scene)) return true;
-    return false;
-}
-
-// `first` is the job of the first order, whose light is measured in `alone`.
-static bool measure_light(struct plan_scatter *scatter, const struct job *first, struct frame *frame,
-                          struct truth_pixel *alone)
-{
-    double wanted = ACCURACY_SHARE * scatter->params->job->quality.tolerance;
-    struct integrate_accuracy accuracy = {.relative =
-                                              may_have_grids(&scatter->job) ? wanted : fmax(wanted, ROUGH_ACCURACY)};
-    size_t count = pixel_count(scatter);
-    double share, each = 1.0 / scatter->params->segment.pilot_count;
-
-    // A few paths tell how bright the frame is, and so how exact its dark pixels have to be.
-    if (!measure_truth(scatter, &scatter->job, frame->number, &LEAST_ACCURACY, frame->truth)) return false;
-    accuracy.floor = fmax(FLOOR_SHARE * sqrt(scatter_light_square(frame->truth, count)), AUDIT_BLACK);
-    scatter_progress_begin_light(&scatter->progress, ALL_PART * each, frame->truth, count);
-    if (!measure_truth(scatter, &scatter->job, frame->number, &accuracy, frame->truth)) return false;
-    scatter_progress_begin_light(&scatter->progress, (1.0 - ALL_PART) * each, frame->truth, count);
-    if (!measure_truth(scatter, first, frame->number,
-                       &(struct integrate_accuracy){.relative = ROUGH_ACCURACY, .floor = accuracy.floor}, alone))
-        return false;
-    frame->light = scatter_light_square(frame->truth, count);
-    share = frame->light > 0.0 ? sqrt(scatter_light_square(alone, count) / frame->light) : 1.0;
-    scatter->first_share = fmax(scatter->first_share, share);
-    return true;
-}
-
-static bool measure_all(struct plan_scatter *scatter)
-{
-    const struct plan_segment *segment = &scatter->params->segment;
-    struct job first = first_of(&scatter->job);
-    struct truth_pixel *alone;
-    bool ok = true;
-
-    if (!choose_lattice(scatter)) return false;
-    alone = xcalloc(pixel_count(scatter), sizeof *alone);
-    for (int i = 0; i < segment->pilot_count && ok; i++) {
-        struct frame *frame = &scatter->frames[scatter->frame_count++];
-
-        frame->number = segment->pilot[i];
-        frame->truth = xcalloc(pixel_count(scatter), sizeof *frame->truth);
-        ok = measure_light(scatter, &first, frame, alone);
-    }
-    free(alone);
-    return ok;
+    return plan_lattice_count(&scatter->truth.lattice);
 }
 
 struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum renderer_fault *fault,
@@ -187,13 +55,8 @@ struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum 
     struct plan_scatter *scatter = xcalloc(1, sizeof *scatter);
 
     scatter->params = params;
-    scatter->progress.params = params;
-    scatter->job = *params->job;
-    scatter->job.quality.samples = 1;
     *fault = RENDERER_FAULT_NONE;
-    if (measure_all(scatter)) return scatter;
-    *fault = scatter->fault;
-    if (error) *error = scatter->error;
+    if (scatter_truth_measure(&scatter->truth, params, fault, error)) return scatter;
     plan_scatter_destroy(scatter);
     return NULL;
 }
@@ -201,18 +64,16 @@ struct plan_scatter *plan_scatter_create(const struct plan_params *params, enum 
 void plan_scatter_destroy(struct plan_scatter *scatter)
 {
     if (!scatter) return;
-    for (int i = 0; i < scatter->frame_count; i++)
-        free(scatter->frames[i].truth);
-    plan_lattice_finish(&scatter->lattice);
+    scatter_truth_finish(&scatter->truth);
     free(scatter);
 }
 
 struct job plan_scatter_first_job(const struct plan_scatter *scatter)
 {
-    struct job first = first_of(scatter->params->job);
+    struct job first = scatter_truth_first_of(scatter->params->job);
     double tolerance = scatter->params->job->quality.tolerance;
 
-    first.quality.tolerance = fmin(FIRST_SHARE * tolerance / fmax(scatter->first_share, 1e-3), FIRST_MOST);
+    first.quality.tolerance = fmin(FIRST_SHARE * tolerance / fmax(scatter->truth.first_share, 1e-3), FIRST_MOST);
     return first;
 }
 
@@ -247,8 +108,8 @@ struct sums {
     double spread;     // of the squares of each pixel's part of `cells`
 };
 
-static struct sums add_pixels(const struct plan_scatter *scatter, const struct frame *frame, const struct image *first,
-                              const struct image *second)
+static struct sums add_pixels(const struct plan_scatter *scatter, const struct scatter_frame *frame,
+                              const struct image *first, const struct image *second)
 {
     struct sums sums = {0};
 
@@ -271,7 +132,7 @@ static struct sums add_pixels(const struct plan_scatter *scatter, const struct f
 }
 
 // Of a sum over the pixels, the square of a relative RMSE.
-static double relative_of(const struct plan_scatter *scatter, const struct frame *frame, double sum)
+static double relative_of(const struct plan_scatter *scatter, const struct scatter_frame *frame, double sum)
 {
     double mean = sum / (3.0 * (double)pixel_count(scatter));
 
@@ -282,27 +143,32 @@ typedef bool render_of_lattice(const struct plan_lattice *lattice, const struct 
                                const struct job *job, int32_t frame, struct image *image,
                                struct renderer_result *result, struct error *error);
 
-static bool render(struct plan_scatter *scatter, const struct plan *plan, const struct frame *frame,
-                   render_of_lattice *draw, struct image *image)
+// `measured`, unless it is NULL, gets the walks that the picture took from the nodes of its grid.
+static bool render(struct plan_scatter *scatter, const struct plan *plan, const struct scatter_frame *frame,
+                   render_of_lattice *draw, struct image *image, struct scatter_measured *measured)
 {
-    struct job planned = scatter->job;
-    struct renderer_result result;
+    struct job planned = scatter->truth.job;
+    struct renderer_result result = {0};
     bool ok;
 
     planned.quality = plan->quality;
     planned.quality.samples = 1;
-    ok = draw(&scatter->lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
-    scatter_progress_count_picture(&scatter->progress);
+    ok = draw(&scatter->truth.lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
+    scatter_progress_count_picture(&scatter->truth.progress);
     scatter->fault = result.fault;
+    if (measured) {
+        measured->walks = result.walks;
+        measured->usual_walks = result.steps / SCATTER_USUAL_STEPS;
+    }
     return ok;
 }
 
 // The product of the differences to both halves of the light, so that its noise counts nothing.
 static bool measure_frame(struct plan_scatter *scatter, const struct plan *plan, int index, double *square)
 {
-    const struct frame *frame = &scatter->frames[index];
+    const struct scatter_frame *frame = &scatter->truth.frames[index];
     struct image image = {0};
-    bool ok = render(scatter, plan, frame, plan_lattice_render, &image);
+    bool ok = render(scatter, plan, frame, plan_lattice_render, &image, NULL);
 
     *square = INFINITY;
     if (ok) *square = relative_of(scatter, frame, add_pixels(scatter, frame, &image, NULL).off);
@@ -312,11 +178,11 @@ static bool measure_frame(struct plan_scatter *scatter, const struct plan *plan,
 
 // The second picture links and reads nothing: its time is that of its paths.
 static bool render_again(struct plan_scatter *scatter, const struct scatter_setting *setting, const struct plan *plan,
-                         const struct frame *frame, struct image *image)
+                         const struct scatter_frame *frame, struct image *image, struct scatter_measured *measured)
 {
     struct scatter_pace began = scatter_pace_begin();
 
-    if (!render(scatter, plan, frame, plan_lattice_render_again, image)) return false;
+    if (!render(scatter, plan, frame, plan_lattice_render_again, image, measured)) return false;
     scatter_pace_note(scatter->paces, setting, (double)pixel_count(scatter), &began);
     return true;
 }
@@ -325,21 +191,21 @@ static bool render_again(struct plan_scatter *scatter, const struct scatter_sett
 static bool measure_twice(struct plan_scatter *scatter, const struct scatter_setting *setting,
                           struct scatter_measured *measured)
 {
-    const struct frame *frame = &scatter->frames[scatter->worst];
+    const struct scatter_frame *frame = &scatter->truth.frames[scatter->worst];
     struct plan tried = *scatter->plan;
     struct image first = {0}, second = {0};
     bool ok;
 
     set_point(scatter, &tried, setting);
-    ok = render(scatter, &tried, frame, plan_lattice_render, &first) &&
-         render_again(scatter, setting, &tried, frame, &second);
     *measured = (struct scatter_measured){.cells = INFINITY, .noise = INFINITY};
+    ok = render(scatter, &tried, frame, plan_lattice_render, &first, NULL) &&
+         render_again(scatter, setting, &tried, frame, &second, measured);
     if (ok) {
         struct sums sums = add_pixels(scatter, frame, &first, &second);
 
         measured->noise = relative_of(scatter, frame, sums.noise);
         measured->cells = relative_of(scatter, frame, sums.cells);
-        measured->chance = relative_of(scatter, frame, 2.0 * sqrt(sums.spread));
+        measured->chance = relative_of(scatter, frame, sqrt(sums.spread));
         log_debug("plan: scattered light by %d cells, %d paths%s: error of cells %.2e (chance %.2e), noise %.2e",
                   tried.quality.scatter_grid, tried.quality.paths, setting->is_from_lights ? " from the lights" : "",
                   sqrt(fmax(measured->cells, 0.0)), sqrt(measured->chance), sqrt(measured->noise));
@@ -389,7 +255,7 @@ static bool find_worst(struct plan_scatter *scatter, bool has_grid)
     double most = -INFINITY;
 
     set_point(scatter, &tried, has_grid ? &GRID : &PIXEL);
-    for (int i = 0; i < scatter->frame_count && scatter->frame_count > 1; i++) {
+    for (int i = 0; i < scatter->truth.frame_count && scatter->truth.frame_count > 1; i++) {
         double square;
 
         if (!measure_frame(scatter, &tried, i, &square) && renderer_fault_is_final(scatter->fault)) return false;
@@ -427,7 +293,7 @@ static void describe(struct plan *plan, const struct scatter_finding *finding)
 // The errors of the first order become those of all.
 static void predict(struct plan *plan, const struct plan_scatter *scatter, const struct scatter_finding *finding)
 {
-    double light = scatter->first_share;
+    double light = scatter->truth.first_share;
 
     plan->predicted_error = fmax(plan->predicted_error * light, finding->error);
     for (int i = 0; i < plan->scouting.count; i++)
@@ -448,11 +314,25 @@ static void foretell(struct plan *plan, const struct plan_scatter *scatter, cons
     if (renderer_is_software(scatter->params->renderer)) plan->predicted_processor_s = frame.processor_s;
 }
 
+static bool refine_march(struct plan_scatter *scatter, struct plan *plan)
+{
+    const struct scatter_frame *frame = &scatter->truth.frames[scatter->truth.frame_count / 2];
+
+    return scatter_march_refine(
+        &(struct scatter_march_params){.lattice = &scatter->truth.lattice,
+                                       .params = scatter->params,
+                                       .job = &scatter->truth.job,
+                                       .frame = frame->number,
+                                       .light = frame->light,
+                                       .most = MARCH_SHARE * scatter->params->job->quality.tolerance},
+        plan, &scatter->fault, &scatter->error);
+}
+
 bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum renderer_fault *fault,
                            struct error *error)
 {
     const struct job *job = scatter->params->job;
-    struct plan first = *plan;
+    struct plan first;
     struct scatter_finding finding = {.is_stopped = true};
     struct plan_scene scene;
     bool has_grid;
@@ -460,16 +340,18 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
     scatter->plan = &first;
     plan_scene_init(&scene, job);
     has_grid = plan->family < plan_family_count && plan_family_serves(&plan_families[plan->family], &scene);
+    if (has_grid && !refine_march(scatter, plan)) has_grid = false;
+    first = *plan;
     if (find_paths_family(scatter, &scene) && find_worst(scatter, has_grid))
-        finding = scatter_search_run(
-            &(struct scatter_search){.target = SHARE * job->quality.tolerance,
-                                     .pixels = (double)job->width_px * job->height_px * job->quality.samples,
-                                     .has_grid = has_grid,
-                                     .may_choose = may_choose(job),
-                                     .path_max = PATHS_MOST,
-                                     .list_pixels = (double)pixel_count(scatter),
-                                     .measure = measure,
-                                     .user = scatter});
+        finding = scatter_search_run(&(struct scatter_search){
+            .target = SHARE * job->quality.tolerance,
+            .pixels = (double)job->width_px * job->height_px * job->quality.samples,
+            .has_grid = has_grid,
+            .may_choose = may_choose(job),
+            .path_max = PATHS_MOST * fmin(fmax((double)scatter->params->segment.count / MANY, 1.0), MORE_MOST),
+            .list_pixels = (double)pixel_count(scatter),
+            .measure = measure,
+            .user = scatter});
     if (finding.is_stopped) {
         *fault = scatter->fault;
         if (error) *error = scatter->error;

@@ -3,14 +3,17 @@
 
 #include "core/job/job.h"
 
+#include <math.h>
+
 static const double SHARP = 0.3; // g of a lobe
 static const double TOLERANCE_LEAST = 0.01;
-enum { AFTER = 1 }; // scatterings: what more save of error is not seen
+// The mean cosine of all turns of light that was scattered so often: what is left of where it came from.
+static const double REMEMBERED = 0.63;
 
 int plan_similar_after(const struct job *job)
 {
     double time = job_frame_time(job, frame_range_at(&job->frames, 0));
-    bool is_sharp = false;
+    double sharpest = 0.0;
 
     for (size_t i = 0; i < job->scene.medium_count; i++)
         for (size_t k = 0; k < job->scene.media[i].lobe_count; k++) {
@@ -18,10 +21,10 @@ int plan_similar_after(const struct job *job)
             double g[3] = {0};
 
             if (lobe->kind == SCENE_LOBE_HENYEY_GREENSTEIN) timeline_evaluate(&lobe->g, time, g);
-            is_sharp |= g[0] >= SHARP;
+            sharpest = fmax(sharpest, g[0]);
         }
-    if (!is_sharp || job->scene.orders != SCENE_ORDERS_ALL || job->quality.tolerance < TOLERANCE_LEAST ||
+    if (sharpest < SHARP || job->scene.orders != SCENE_ORDERS_ALL || job->quality.tolerance < TOLERANCE_LEAST ||
         job->scene.medium_count > JOB_CACHED_MEDIUM_LIMIT)
         return 0;
-    return AFTER;
+    return (int)fmin(fmax(ceil(log(REMEMBERED) / log(sharpest)) - 1.0, 1.0), JOB_SIMILAR_LIMIT);
 }

@@ -15,9 +15,11 @@ enum {
 // The share of the target's square that a grid's cells may take: the rest is for the paths.
 static const double CELLS_SHARE = 0.7;
 // Of all paths that may be traced, those of one measurement of a grid: finer grids are to have their turn.
-static const double GRID_PART = 0.25;
+static const double GRID_PART = 0.5;
 // Linear interpolation's squared error falls by no higher power of the number of cells.
 static const double STEEPEST = 4.0;
+// That by which it mostly falls, and the standard deviation of what this foretells, relative to it.
+static const double USUAL = 2.5, USUAL_SPREAD = 0.5;
 static const double PICTURES = 2.0; // of a measurement
 // Paths of a frame below which another way to fill the grid does not repay its linking and its trial.
 static const double CHOICE_LEAST = 3e5;
@@ -28,6 +30,9 @@ struct walk {
     double traced; // by all measurements
     double least;  // the least square that was met
     bool is_dear;  // no grid was found cheaply
+    // What the last grid tells of its nodes, had these a cube: the share whose walks are made, times their length.
+    double share;
+    double length; // of a walk, relative to the usual one
     // The finest grid whose cells alone were too much; 0 cells: none yet.
     int coarse_rung;
     double coarse_cells;
@@ -39,13 +44,15 @@ struct walk {
 // The number of paths of one rung 0, in walks.
 static double nodes_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels;
-    return pow(scatter_grid_cells[setting->grid_rung], 3.0) * (setting->is_from_lights ? SCATTER_PARTICLE : 1.0);
+    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels * walk->length;
+    return pow(scatter_grid_cells[setting->grid_rung], 3.0) *
+           (setting->is_from_lights ? SCATTER_PARTICLE * walk->length : walk->share);
 }
 
 static double trial_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    double nodes = setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels : nodes_of(walk, setting);
+    double nodes =
+        setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * walk->length : nodes_of(walk, setting);
 
     return PICTURES * nodes * exp2(setting->path_rung);
 }
@@ -53,9 +60,16 @@ static double trial_of(const struct walk *walk, const struct scatter_setting *se
 static bool measure(struct walk *walk, const struct scatter_setting *setting, struct scatter_measured *measured)
 {
     walk->traced += trial_of(walk, setting);
-    if (walk->search->measure(walk->search->user, setting, measured)) return true;
-    walk->finding.is_stopped = true;
-    return false;
+    if (!walk->search->measure(walk->search->user, setting, measured)) {
+        walk->finding.is_stopped = true;
+        return false;
+    }
+    if (measured->walks > 0.0) {
+        walk->share =
+            measured->usual_walks / (pow(scatter_grid_cells[setting->grid_rung], 3.0) * exp2(setting->path_rung));
+        walk->length = measured->usual_walks / measured->walks;
+    }
+    return true;
 }
 
 static bool has_found_grid(const struct walk *walk)
@@ -96,29 +110,42 @@ static int find_rungs(double noise, double allowed, int path_rung)
     return path_rung + by < SCATTER_PATH_RUNGS ? by : SCATTER_PATH_RUNGS - 1 - path_rung;
 }
 
-// What cells add for certain: where pixels are few and paths too, chance alone looks like cells.
-static double sure_cells(const struct scatter_measured *measured)
+// What cells add. Where paths are few, chance alone looks like cells: what it has above the target is taken away.
+static double sure_cells(const struct walk *walk, const struct scatter_measured *measured)
 {
-    return fmax(measured->cells - measured->chance, 0.0);
+    double wanted = walk->search->target * walk->search->target;
+
+    return fmax(measured->cells - fmax(measured->chance - wanted, 0.0), 0.0);
 }
 
-// What a grid's cells add at least, as coarser ones tell.
-static double least_cells(const struct walk *walk, int grid_rung)
+// That of a grid as coarser ones foretell it, with the power by which it mostly falls.
+static double expect_cells(const struct walk *walk, int grid_rung, double power)
 {
     double ratio = (double)scatter_grid_cells[walk->coarse_rung] / scatter_grid_cells[grid_rung];
 
-    return ratio < 1.0 ? walk->coarse_cells * pow(ratio, STEEPEST) : 0.0;
+    return ratio < 1.0 ? walk->coarse_cells * pow(ratio, power) : 0.0;
 }
 
-static void note_grid(struct walk *walk, const struct scatter_setting *setting, const struct scatter_measured *measured)
+// What is measured and what coarser grids foretell are weighed by the inverses of their variances.
+static double find_cells(const struct walk *walk, int grid_rung, const struct scatter_measured *measured)
+{
+    double foretold = expect_cells(walk, grid_rung, USUAL), spread = USUAL_SPREAD * foretold, trust;
+
+    if (foretold == 0.0) return sure_cells(walk, measured);
+    trust = spread * spread / (spread * spread + measured->chance * measured->chance);
+    return fmax(foretold + trust * (measured->cells - foretold), 0.0);
+}
+
+static void note_grid(struct walk *walk, const struct scatter_setting *setting, const struct scatter_measured *measured,
+                      double cells)
 {
     double wanted = walk->search->target * walk->search->target;
 
     walk->noise =
         fmax(walk->noise, measured->noise * exp2(setting->path_rung) * scatter_grid_cells[setting->grid_rung]);
-    if (sure_cells(measured) <= CELLS_SHARE * wanted) return;
+    if (cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = setting->grid_rung;
-    walk->coarse_cells = sure_cells(measured);
+    walk->coarse_cells = cells;
 }
 
 // Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
@@ -127,7 +154,7 @@ static void guess_grid(struct walk *walk, int rung)
     double wanted = walk->search->target * walk->search->target;
 
     for (; walk->coarse_cells > 0.0 && rung <= GRID_GUESSED; rung++) {
-        double cells = least_cells(walk, rung), noise = walk->noise / scatter_grid_cells[rung];
+        double cells = expect_cells(walk, rung, STEEPEST), noise = walk->noise / scatter_grid_cells[rung];
         int paths;
 
         if (cells > CELLS_SHARE * wanted) continue;
@@ -173,8 +200,8 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
 
     if (!measure_grid(walk, &setting, measured)) return false;
     if (isinf(measured->noise)) return true;
-    cells = sure_cells(measured);
-    if (!setting.is_from_lights) note_grid(walk, &setting, measured);
+    cells = setting.is_from_lights ? sure_cells(walk, measured) : find_cells(walk, setting.grid_rung, measured);
+    if (!setting.is_from_lights) note_grid(walk, &setting, measured, cells);
     if (cells <= CELLS_SHARE * wanted) {
         int by = find_rungs(measured->noise, wanted - cells, setting.path_rung);
 
@@ -218,9 +245,10 @@ static struct scatter_setting first_of(int grid_rung)
 
 // By how many rungs cells have to be finer. Their squared error falls with the fourth power of their size where light
 // is smooth, and not as quickly elsewhere: one rung less than that.
-static int find_finer(const struct walk *walk, double cells, int grid_rung)
+static int find_finer(const struct walk *walk, int grid_rung)
 {
     double allowed = CELLS_SHARE * walk->search->target * walk->search->target;
+    double cells = grid_rung == walk->coarse_rung ? walk->coarse_cells : 0.0;
     int by = cells > allowed ? (int)(log2(cells / allowed) / 2.0) : 1;
 
     for (; by > 1; by--) {
@@ -241,17 +269,18 @@ static bool try_finer(struct walk *walk, int *rung)
 
         if (*rung >= SCATTER_GRID_RUNGS || !is_affordable(walk, &setting)) return true;
         if (!try_grid(walk, setting, &measured)) return false;
-        *rung += find_finer(walk, sure_cells(&measured), setting.grid_rung);
+        *rung += find_finer(walk, setting.grid_rung);
         if (has_found_grid(walk) && walk->finding.setting.grid_rung < setting.grid_rung) return true;
     }
 }
 
+// Down to the finest grid that is known to be too coarse.
 static bool try_coarser(struct walk *walk)
 {
-    int before = walk->finding.setting.grid_rung;
+    int before = walk->finding.setting.grid_rung, last = walk->coarse_cells > 0.0 ? walk->coarse_rung + 1 : 0;
     struct scatter_measured measured;
 
-    for (int rung = before - 1; rung >= 0 && walk->finding.is_found && before == rung + 1; rung--) {
+    for (int rung = before - 1; rung >= last && walk->finding.is_found && before == rung + 1; rung--) {
         if (!try_grid(walk, first_of(rung), &measured)) return false;
         before = walk->finding.setting.grid_rung;
     }
@@ -264,7 +293,7 @@ static bool try_ways(struct walk *walk)
 
     if (walk->search->has_grid && !try_finer(walk, &rung)) return false;
     // Pixels cannot need fewer paths than one each.
-    if (!has_found_grid(walk) || walk->finding.paths > walk->search->pixels)
+    if (!has_found_grid(walk) || walk->finding.paths > walk->search->pixels * walk->length)
         if (!try_pixels(walk)) return false;
     if (!walk->search->has_grid) return true;
     if (has_found_grid(walk)) return try_coarser(walk);
@@ -273,7 +302,7 @@ static bool try_ways(struct walk *walk)
     return try_finer(walk, &rung);
 }
 
-// Fills the grid that was found from the lights, with as few paths as cost no more than a quarter of it.
+// Fills the grid that was found from the lights, with so few paths that both pictures cost half of it.
 static bool try_lights(struct walk *walk)
 {
     struct scatter_setting setting = walk->finding.setting;
@@ -281,7 +310,8 @@ static bool try_lights(struct walk *walk)
 
     if (!walk->search->may_choose || setting.grid_rung < 0 || walk->finding.paths < CHOICE_LEAST) return true;
     setting.is_from_lights = true;
-    setting.path_rung = setting.path_rung > 3 ? setting.path_rung - 3 : 0;
+    setting.path_rung = (int)floor(log2(0.5 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
+    if (setting.path_rung < 0) return true;
     walk->is_dear = true;
     return try_grid(walk, setting, &measured);
 }
@@ -292,7 +322,9 @@ struct scatter_finding scatter_search_run(const struct scatter_search *search)
                         .finding = {.setting = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST},
                                     .error = INFINITY,
                                     .paths = INFINITY},
-                        .least = INFINITY};
+                        .least = INFINITY,
+                        .share = 1.0,
+                        .length = 1.0};
 
     if (try_ways(&walk)) (void)try_lights(&walk);
     return walk.finding;

@@ -15,6 +15,8 @@ static const double SCATTER_PARTICLE = 2.5;
 
 // The least number of cells first.
 extern const int scatter_grid_cells[SCATTER_GRID_RUNGS];
+// How often a walk of usual length looks at media.
+static const double SCATTER_USUAL_STEPS = 64.0;
 
 struct scatter_setting {
     int grid_rung; // or SCATTER_PIXELS
@@ -25,8 +27,10 @@ struct scatter_setting {
 // Parts of a picture's squared relative RMSE.
 struct scatter_measured {
     double cells;  // what no number of paths changes; may be negative by chance
-    double chance; // of `cells`: two standard errors
+    double chance; // of `cells`: a standard error
     double noise;  // a variance over the number of paths; INFINITY where the setting cannot be rendered
+    // Of one picture, from the nodes of a grid: walks, and these as if each were of usual length. 0: not counted.
+    double walks, usual_walks;
 };
 
 struct scatter_search {
@@ -34,7 +38,7 @@ struct scatter_search {
     double pixels;      // of a frame, times their samples
     bool has_grid;      // else only pixels have paths
     bool may_choose;    // a grid may be filled from the lights or from its nodes
-    double path_max;    // paths that may be traced for all measurements together
+    double path_max;    // paths of usual length that may be traced for all measurements together
     double list_pixels; // that a measurement traces
     // Measures a setting by two pictures. False ends the search.
     bool (*measure)(void *user, const struct scatter_setting *setting, struct scatter_measured *measured);
@@ -44,7 +48,7 @@ struct scatter_search {
 struct scatter_finding {
     struct scatter_setting setting;
     double error; // expected
-    double paths; // of a frame, in walks from nodes and pixels
+    double paths; // of a frame, in walks of usual length from nodes
     bool is_found, is_stopped;
 };
 

@@ -37,9 +37,10 @@ static int after_of(const char *phase, const char *orders, const char *tolerance
 static void similar_media_are_for_sharp_phases(void **state)
 {
     (void)state;
-    assert_int_equal(after_of("{\"g\": 0.85}", "\"all\"", "0.02"), 1);
+    assert_int_equal(after_of("{\"g\": 0.85}", "\"all\"", "0.02"), 2);
+    assert_int_equal(after_of("{\"g\": 0.95}", "\"all\"", "0.02"), 9);
     assert_int_equal(after_of("{\"g\": 0.3}", "\"all\"", "0.01"), 1);
-    assert_int_equal(after_of("{\"g\": 0.9, \"weight\": 0.5}, {\"g\": -0.2, \"weight\": 0.5}", "\"all\"", "0.02"), 1);
+    assert_int_equal(after_of("{\"g\": 0.9, \"weight\": 0.5}, {\"g\": -0.2, \"weight\": 0.5}", "\"all\"", "0.02"), 4);
     assert_int_equal(after_of("{\"g\": 0.29}", "\"all\"", "0.02"), 0);
     assert_int_equal(after_of("{\"g\": -0.85}", "\"all\"", "0.02"), 0);
     assert_int_equal(after_of("{\"kind\": \"rayleigh\"}", "\"all\"", "0.02"), 0);
