@@ -63,6 +63,7 @@ bool majorant_init(struct majorant *majorant, const struct density *density)
         // A density that is nowhere has no bricks.
         if (!(extent.half.x > 0.0 && extent.half.y > 0.0 && extent.half.z > 0.0)) return true;
         lay_bricks(majorant, &extent);
+        if (majorant->is_even && density->clip) majorant->endless = majorant->most;
     } else {
         majorant->most = majorant->endless = density->most(density->field, &EVERYWHERE) * ROUNDING;
     }
@@ -167,12 +168,12 @@ void flight_begin(struct flight *flight, const struct majorant *majorant, const 
 
     *flight = (struct flight){.majorant = majorant, .at = near, .far = near};
     if (density->clip && !density->clip(density->field, ray, &near, &far)) return;
-    if (majorant->bricks) {
-        begin_in_bricks(flight, ray, near, far);
-    } else if (majorant->endless > 0.0) {
+    if (majorant->endless > 0.0) {
         flight->at = near;
         flight->end = flight->far = far;
         flight->most = majorant->endless;
+    } else if (majorant->bricks) {
+        begin_in_bricks(flight, ray, near, far);
     }
 }
 
@@ -182,7 +183,7 @@ static bool enter_next_brick(struct flight *flight)
     int axis = flight->axis;
 
     flight->at = fmax(flight->end, flight->at);
-    if (!flight->majorant->bricks || !(flight->at < flight->far)) return false;
+    if (flight->majorant->endless > 0.0 || !flight->majorant->bricks || !(flight->at < flight->far)) return false;
     flight->brick[axis] += flight->direction[axis] > 0.0 ? 1 : -1;
     if (flight->brick[axis] < 0 || flight->brick[axis] >= flight->majorant->count[axis]) return false;
     flight->leave[axis] = leave_axis(flight, axis);

@@ -12,7 +12,7 @@
 struct majorant {
     const struct density *density; // borrowed; outlives us
     bool is_even;                  // wherever the density is positive it equals its bound
-    double endless;                // the bound everywhere, of a density without an extent
+    double endless;                // the bound wherever clip leaves a ray, of an even density or one without an extent
     double most;                   // the greatest bound
     struct vec3 low;               // of the bricks' box
     double side[3];                // of a brick, m

@@ -3,14 +3,32 @@
 
 #include <math.h>
 
+struct turn {
+    double cosine, sine;
+};
+
+// Twice the angle of a point that is even in the unit disk: von Neumann, Applied Mathematics Series 12, 1951.
+static struct turn draw_turn(struct stream *stream)
+{
+    double x, y, square;
+
+    do {
+        x = 2.0 * stream_draw(stream) - 1.0;
+        y = stream_draw(stream);
+        square = x * x + y * y;
+    } while (!(square <= 1.0 && square > 0x1p-80));
+    return (struct turn){(x * x - y * y) / square, 2.0 * x * y / square};
+}
+
 struct vec3 phase_draw_about(struct vec3 axis, double cosine, struct stream *stream)
 {
-    double turn = 2.0 * M_PI * stream_draw(stream), sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
+    struct turn turn = draw_turn(stream);
+    double sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
     // Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6, 2017.
     double sign = copysign(1.0, axis.z), a = -1.0 / (sign + axis.z), b = axis.x * axis.y * a;
     struct vec3 right = {1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
     struct vec3 up = {b, sign + axis.y * axis.y * a, -axis.y};
-    struct vec3 side = vec3_add(vec3_scale(right, cos(turn)), vec3_scale(up, sin(turn)));
+    struct vec3 side = vec3_add(vec3_scale(right, turn.cosine), vec3_scale(up, turn.sine));
 
     return vec3_normalize(vec3_add(vec3_scale(axis, cosine), vec3_scale(side, sine)));
 }

@@ -7,5 +7,5 @@ double phase_henyey_greenstein(double g, double cos_theta)
 {
     double distance_squared = 1.0 + g * g - 2.0 * g * cos_theta;
 
-    return (1.0 - g * g) / (4.0 * M_PI * pow(distance_squared, 1.5));
+    return (1.0 - g * g) / (4.0 * M_PI * distance_squared * sqrt(distance_squared));
 }
