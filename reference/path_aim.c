@@ -5,16 +5,17 @@
 
 #include <math.h>
 
-// Set by noise at equal time.
-static const double LEAST_CHANCE = 0.1;
+// Set by noise at equal time, and so is how fast chances fall, and where they are nothing: in mean free paths beyond
+// those that second paths go.
+static const double LEAST_CHANCE = 0.1, FALL = 2.0, DEEPEST = 16.0;
 
 size_t path_aim_count_lamps(const struct path_scene *scene)
 {
     return scene->still->light_count + scene->still->sphere_count;
 }
 
-// Towards a lamp, as the vertex sees it; false: it lies there itself.
-static bool find_way(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, struct vec3 *way)
+// Towards a lamp, as the vertex sees it: m to it, 0: it lies there itself.
+static double find_way(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, struct vec3 *way)
 {
     const struct still *still = scene->still;
     double distance;
@@ -23,35 +24,54 @@ static bool find_way(const struct path_scene *scene, const struct path_vertex *v
         struct light_arrival arrival = light_arrive(&still->lights[lamp], vertex->position);
 
         *way = vec3_scale(arrival.travel, -1.0);
-        return arrival.distance > 0.0;
+        return arrival.distance;
     }
     *way = vec3_subtract(still->spheres[lamp - still->light_count].center, vertex->position);
     distance = vec3_length(*way);
     *way = vec3_scale(*way, 1.0 / distance);
-    return distance > 0.0;
+    return distance;
+}
+
+// Of the even media on the way.
+static double find_depth(const struct path_scene *scene, const struct ray *way, double distance)
+{
+    double depth = 0.0;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct density *density = &scene->media[i].medium->density;
+
+        if (scene->media[i].majorant.is_even)
+            depth += scene->media[i].sigma * density->column(density->field, way, 0.0, distance);
+    }
+    return depth;
 }
 
 // A vertex that turns to the lamp more easily sends more.
-static double find_chance(const struct path_vertex *vertex, struct vec3 way)
+static double find_chance(const struct path_vertex *vertex, struct vec3 way, double depth)
 {
-    return fmin(fmax(4.0 * M_PI * path_vertex_scatter(vertex, way), LEAST_CHANCE), 1.0);
+    double beyond = depth - vertex->aim_vertices, fallen = beyond > 0.0 ? exp(-beyond / FALL) : 1.0;
+
+    if (beyond > DEEPEST) return 0.0;
+    return fallen * fmin(fmax(4.0 * M_PI * path_vertex_scatter(vertex, way), LEAST_CHANCE), 1.0);
 }
 
-double path_aim_chance(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp)
+void path_aim_look(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex)
 {
-    struct vec3 way;
+    if (vertex->aim_vertices == 0) return;
+    aim->lamp_count = path_aim_count_lamps(scene);
+    for (size_t i = 0; i < aim->lamp_count; i++) {
+        struct ray way = {.origin = vertex->position};
+        double distance = find_way(scene, vertex, i, &way.direction);
 
-    if (vertex->aim_vertices == 0 || !find_way(scene, vertex, lamp, &way)) return 0.0;
-    return find_chance(vertex, way);
+        aim->ways[i] = way.direction;
+        aim->chances[i] = distance > 0.0 ? find_chance(vertex, way.direction, find_depth(scene, &way, distance)) : 0.0;
+    }
 }
 
-struct vec3 path_aim_draw(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp,
+struct vec3 path_aim_draw(const struct path_aim *aim, const struct path_vertex *vertex, size_t lamp,
                           struct stream *stream)
 {
-    struct vec3 way;
-
-    (void)find_way(scene, vertex, lamp, &way);
-    return phase_draw_about(way, phase_draw_cosine(vertex->medium, stream), stream);
+    return phase_draw_about(aim->ways[lamp], phase_draw_cosine(vertex->medium, stream), stream);
 }
 
 // What vertices noted so long ago that their second paths have ended is forgotten.
@@ -64,23 +84,19 @@ static void forget(struct path_aim *aim)
     }
 }
 
-void path_aim_note(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex,
-                   struct vec3 direction)
+void path_aim_note(struct path_aim *aim, const struct path_vertex *vertex, struct vec3 direction)
 {
     double scatter;
 
     if (aim->lamp_count > 0) forget(aim);
     if (vertex->aim_vertices == 0) return;
     scatter = path_vertex_scatter(vertex, direction);
-    aim->lamp_count = path_aim_count_lamps(scene);
     aim->next = (aim->next + 1) % PATH_AIM_VERTICES;
     aim->left[aim->next] = vertex->aim_vertices;
     for (size_t i = 0; i < aim->lamp_count; i++) {
-        double *ratio = &aim->ratios[aim->next][i];
-        struct vec3 way;
+        double chance = aim->chances[i];
 
-        *ratio = 0.0;
-        if (find_way(scene, vertex, i, &way))
-            *ratio = find_chance(vertex, way) * medium_phase(vertex->medium, vec3_dot(way, direction)) / scatter;
+        aim->ratios[aim->next][i] =
+            chance > 0.0 ? chance * medium_phase(vertex->medium, vec3_dot(aim->ways[i], direction)) / scatter : 0.0;
     }
 }

@@ -11,12 +11,12 @@
 
 // Lamps are the still's lights, and its spheres after them.
 size_t path_aim_count_lamps(const struct path_scene *scene);
-// The chance that a vertex sends a second path for a lamp. It follows from places and directions alone, so that all
-// ways to find a vertex know the same.
-double path_aim_chance(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp);
-// The direction in which such a path begins.
-struct vec3 path_aim_draw(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp,
+// Looks from a vertex at the lamps: for each, the direction and the chance that the vertex sends a second path. They
+// follow from places and directions alone, so that all ways to find a vertex know the same. A vertex that lies so deep
+// that the lamp's light has been scattered often before it comes there sends none.
+void path_aim_look(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex);
+// The direction in which a second path begins from the vertex that was looked from last.
+struct vec3 path_aim_draw(const struct path_aim *aim, const struct path_vertex *vertex, size_t lamp,
                           struct stream *stream);
-// Notes that a path goes on from the vertex along `direction`, however that was drawn.
-void path_aim_note(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex,
-                   struct vec3 direction);
+// Notes that a path goes on from that vertex along `direction`, however it was drawn.
+void path_aim_note(struct path_aim *aim, const struct path_vertex *vertex, struct vec3 direction);

@@ -123,7 +123,7 @@ static double own_share(const struct path_peak *peak, const struct path_vertex *
     return vertex->is_surface ? 1.0 : 1.0 - path_peak_share(peak, vertex->position);
 }
 
-static double aimed_share(const struct path_aim *aim, size_t lamp)
+double path_light_aimed_share(const struct path_aim *aim, size_t lamp)
 {
     double sum = 1.0;
 
@@ -136,7 +136,7 @@ void path_light_add_one(const struct path_scene *scene, const struct path_vertex
                         size_t lamp, struct stream *stream, double radiance[static 3])
 {
     size_t lights = scene->still->light_count;
-    double share = aimed_share(aim, lamp);
+    double share = path_light_aimed_share(aim, lamp);
 
     if (lamp < lights) {
         // Where light grows without limit, a seldom look would bring too much at once.

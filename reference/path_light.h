@@ -16,17 +16,20 @@ struct path_vertex {
     const struct medium *medium; // that scatters here; borrowed; NULL: none
     bool is_surface;
     bool is_first;        // of a ray that is seen: no lamp is looked for seldom
+    double turn;          // 1 less the mean cosine of what it scatters
     int aim_vertices;     // of second paths from here; 0: there are none
     struct vec3 normal;   // of a surface: of length 1, towards the path
     double throughput[3]; // with the share that is scattered, without the phase
 };
 
-// By how much more densely a vertex is found in the other ways that look for a lamp (reference/path_aim.h), by the
-// vertex before it at which they part. The zero value is none.
+// Other ways that look for lamps (reference/path_aim.h). The zero value is none.
 struct path_aim {
-    size_t lamp_count;           // the still's lights, and its spheres after them; 0: there is no other way
-    int next;                    // that was noted last
-    int left[PATH_AIM_VERTICES]; // vertices for which it still holds
+    size_t lamp_count;                       // the still's lights, and its spheres after them; 0: no other way
+    struct vec3 ways[2 * SCENE_LIGHT_LIMIT]; // to the lamps, from the vertex that was looked from last
+    double chances[2 * SCENE_LIGHT_LIMIT];   // that it sends a second path
+    int next;                                // of the following, that was noted last
+    int left[PATH_AIM_VERTICES];             // vertices for which it still holds
+    // By how much more densely they are found in the other way, by the vertex before them at which the ways part.
     double ratios[PATH_AIM_VERTICES][2 * SCENE_LIGHT_LIMIT];
 };
 
@@ -50,6 +53,8 @@ void path_light_add_lamp(const struct path_scene *scene, const struct path_verte
 void path_light_add_sphere(const struct path_scene *scene, const struct path_vertex *vertex, size_t sphere,
                            double share, struct stream *stream, double radiance[static 3]);
 
+// The share of what a vertex sees of a lamp that counts, by the other ways to find the vertex.
+double path_light_aimed_share(const struct path_aim *aim, size_t lamp);
 // The share of the light that counts where a drawn direction meets a sphere, or the dome behind all.
 double path_light_sphere_share(const struct path_scene *scene, const struct path_vertex *vertex, size_t sphere,
                                struct vec3 direction);

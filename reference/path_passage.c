@@ -59,7 +59,7 @@ static void pass_varied(const struct path_medium *path_medium, const struct ray 
 
     flight_begin(&flight, &path_medium->majorant, ray, 0.0, distance);
     for (;;) {
-        double at = flight_advance(&flight, -log1p(-stream_draw(stream)) / path_medium->sigma), density;
+        double at = flight_advance(&flight, -log(1.0 - stream_draw(stream)) / path_medium->sigma), density;
 
         if (isinf(at)) return;
         density = medium->density.at(medium->density.field, ray_at(ray, at));

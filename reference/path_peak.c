@@ -25,14 +25,42 @@ static double find_angle(double along, double beside)
     return atan2(along, beside);
 }
 
+// The share of Cauchy's distribution on a circle that turns by less.
+static double turn_share(double g, double turn)
+{
+    return atan2((1.0 + g) * sin(0.5 * turn), (1.0 - g) * cos(0.5 * turn)) * M_2_PI;
+}
+
+// An angle between the two, from what is beside the lamp. Every other one is drawn more often where a narrow lobe turns
+// light less.
+static double draw_angle(double first, double last, const struct path_medium *lobe, struct stream *stream,
+                         double *density)
+{
+    double u = stream_draw(stream), low, high, turn, g;
+
+    *density = 1.0 / (last - first);
+    if (!lobe) return first + u * (last - first);
+    g = lobe->g;
+    low = turn_share(g, M_PI_2 + first);
+    high = turn_share(g, M_PI_2 + last);
+    if (stream_draw(stream) < 0.5) {
+        turn = M_PI_2 + first + u * (last - first);
+    } else {
+        u = M_PI_2 * (low + u * (high - low));
+        turn = 2.0 * atan2((1.0 - g) * sin(u), (1.0 + g) * cos(u));
+    }
+    *density = 0.5 * (*density + (1.0 - g * g) / (M_PI * (1.0 + g * g - 2.0 * g * cos(turn)) * (high - low)));
+    return turn - M_PI_2;
+}
+
 // On the given ray within the reach: even in the angle that the lamp sees.
 static struct place draw_on_ray(const struct path_vertex *vertex, const struct path_peak *peak, double near, double far,
-                                struct stream *stream)
+                                const struct path_medium *lobe, struct stream *stream)
 {
     struct vec3 toward = vec3_subtract(peak->position, vertex->position);
     double along = vec3_dot(toward, vertex->incoming);
     double beside = vec3_length(vec3_subtract(toward, vec3_scale(vertex->incoming, along)));
-    double half = sqrt(fmax(peak->reach * peak->reach - beside * beside, 0.0)), first, last, angle, rise;
+    double half = sqrt(fmax(peak->reach * peak->reach - beside * beside, 0.0)), first, last, angle, rise, density;
     struct place place = {.direction = vertex->incoming, .begin = near};
 
     near = fmax(near, along - half);
@@ -42,25 +70,86 @@ static struct place draw_on_ray(const struct path_vertex *vertex, const struct p
     if (!(near < far) || beside == 0.0) return place;
     first = find_angle(near - along, beside);
     last = find_angle(far - along, beside);
-    angle = first + stream_draw(stream) * (last - first);
+    angle = draw_angle(first, last, lobe, stream, &density);
     rise = tan(angle);
     place.distance = along + beside * rise;
-    place.weight = (last - first) * beside * (1.0 + rise * rise);
+    place.weight = beside * (1.0 + rise * rise) / density;
     return place;
 }
 
-// Direction and distance such that the density is in proportion to 1 / r^2, r being the distance to the lamp.
-static struct place draw_jointly(const struct path_vertex *vertex, const struct path_peak *peak, struct stream *stream)
+// A triangle of the vertex, the new one and the lamp: angles at the vertex and at the lamp. Light turns by their sum.
+struct corner {
+    double at_vertex, at_lamp;
+    struct vec3 direction; // from the vertex to the new one
+};
+
+static double angle_between(struct vec3 a, struct vec3 b)
+{
+    return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
+}
+
+// Even in both angles.
+static struct corner draw_evenly(struct vec3 toward, struct stream *stream)
+{
+    struct corner corner = {.at_vertex = M_PI * (1.0 - sqrt(1.0 - stream_draw(stream)))};
+
+    corner.at_lamp = stream_draw(stream) * (M_PI - corner.at_vertex);
+    corner.direction = phase_draw_about(toward, cos(corner.at_vertex), stream);
+    return corner;
+}
+
+// As the vertex scatters, then even in the angle at the lamp.
+static struct corner draw_on_by_vertex(const struct path_vertex *vertex, struct vec3 toward, struct stream *stream)
+{
+    struct corner corner = {.direction = path_vertex_draw(vertex, stream)};
+
+    corner.at_vertex = angle_between(corner.direction, toward);
+    corner.at_lamp = stream_draw(stream) * (M_PI - corner.at_vertex);
+    return corner;
+}
+
+// As the new vertex scatters, then even in the angle at the vertex.
+static struct corner draw_by_lobe(const struct medium *lobe, struct vec3 toward, struct stream *stream)
+{
+    double turn = acos(phase_draw_cosine(lobe, stream));
+    struct corner corner = {.at_vertex = turn * stream_draw(stream)};
+
+    corner.at_lamp = turn - corner.at_vertex;
+    corner.direction = phase_draw_about(toward, cos(corner.at_vertex), stream);
+    return corner;
+}
+
+// Per radian of both angles and radian about the way to the lamp.
+static double corner_density(const struct path_vertex *vertex, const struct medium *lobe, const struct corner *corner)
+{
+    double even = 1.0 / (M_PI * M_PI * M_PI), turn = corner->at_vertex + corner->at_lamp, on, by_lobe;
+
+    if (!lobe) return even;
+    on = path_vertex_scatter(vertex, corner->direction) * sin(corner->at_vertex) / (M_PI - corner->at_vertex);
+    by_lobe = medium_phase(lobe, cos(turn)) * sin(turn) / turn;
+    return (even + on + by_lobe) / 3.0;
+}
+
+// By one of three densities, each of which counts by the balance heuristic.
+static struct place draw_jointly(const struct path_vertex *vertex, const struct path_peak *peak,
+                                 const struct medium *lobe, struct stream *stream)
 {
     struct vec3 toward = vec3_subtract(peak->position, vertex->position);
-    double apart = vec3_length(toward), off = M_PI * (1.0 - sqrt(1.0 - stream_draw(stream)));
-    double beside = apart * sin(off), angle = off - M_PI_2 + stream_draw(stream) * (M_PI - off), r;
-    struct place place = {.distance = apart * cos(off) + beside * tan(angle)};
+    double apart = vec3_length(toward), choice = lobe ? 3.0 * stream_draw(stream) : 0.0, opposite, r;
+    struct place place = {.distance = 0.0};
+    struct corner corner;
 
-    if (!(apart > 0.0) || !(place.distance > 0.0)) return place;
-    place.direction = phase_draw_about(vec3_scale(toward, 1.0 / apart), cos(off), stream);
-    r = beside / cos(angle);
-    place.weight = M_PI * M_PI * M_PI * r * r / apart;
+    if (!(apart > 0.0)) return place;
+    toward = vec3_scale(toward, 1.0 / apart);
+    corner = choice < 1.0   ? draw_evenly(toward, stream)
+             : choice < 2.0 ? draw_on_by_vertex(vertex, toward, stream)
+                            : draw_by_lobe(lobe, toward, stream);
+    opposite = sin(corner.at_vertex + corner.at_lamp);
+    if (!(opposite > 0.0 && corner.at_lamp > 0.0)) return place;
+    r = apart * sin(corner.at_vertex) / opposite;
+    place.direction = corner.direction;
+    place.distance = apart * sin(corner.at_lamp) / opposite;
+    place.weight = r * r / (apart * corner_density(vertex, lobe, &corner));
     return place;
 }
 
@@ -113,16 +202,16 @@ static struct place draw_about(const struct path_vertex *vertex, const struct pa
                           .weight = 4.0 * M_PI * peak->reach * r * r / (distance * distance)};
 }
 
-static struct place draw_place(const struct path_vertex *vertex, const struct path_peak *peak, double near, double far,
-                               struct stream *stream)
+static struct place draw_place(const struct path_scene *scene, const struct path_vertex *vertex,
+                               const struct path_peak *peak, double near, double far, struct stream *stream)
 {
     struct vec3 toward = vec3_subtract(peak->position, vertex->position);
     bool is_beginning = !vertex->medium && !vertex->is_surface;
 
-    if (is_beginning) return draw_on_ray(vertex, peak, near, far, stream);
+    if (is_beginning) return draw_on_ray(vertex, peak, near, far, scene->narrow, stream);
     if (peak->spot) return draw_in_cone(vertex, peak, stream);
     if (vec3_length(toward) > FAR_REACHES * peak->reach) return draw_about(vertex, peak, stream);
-    return draw_jointly(vertex, peak, stream);
+    return draw_jointly(vertex, peak, scene->narrow ? scene->narrow->medium : NULL, stream);
 }
 
 // The part that a lamp's peak has in the light of the new vertex.
@@ -155,19 +244,30 @@ static void add_peak(const struct path_scene *scene, const struct path_vertex *v
     }
 }
 
+static void add_one(const struct path_scene *scene, const struct path_vertex *vertex, size_t lamp, double near,
+                    double far, double share, struct stream *stream, double radiance[static 3])
+{
+    size_t lights = scene->still->light_count;
+    bool is_sphere = lamp >= lights;
+    const struct path_peak *peak = is_sphere ? &scene->sphere_peaks[lamp - lights] : &scene->peaks[lamp];
+    struct place place;
+
+    if (!(peak->reach > 0.0)) return;
+    place = draw_place(scene, vertex, peak, near, far, stream);
+    place.weight *= share;
+    if (place.weight > 0.0)
+        add_peak(scene, vertex, peak, &place, is_sphere ? lamp - lights : lamp, is_sphere, stream, radiance);
+}
+
+void path_peak_add_one(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                       size_t lamp, struct stream *stream, double radiance[static 3])
+{
+    add_one(scene, vertex, lamp, 0.0, INFINITY, path_light_aimed_share(aim, lamp), stream, radiance);
+}
+
 void path_peak_add(const struct path_scene *scene, const struct path_vertex *vertex, double near, double far,
                    struct stream *stream, double radiance[static 3])
 {
-    const struct still *still = scene->still;
-
-    for (size_t i = 0; i < still->light_count + still->sphere_count; i++) {
-        bool is_sphere = i >= still->light_count;
-        size_t lamp = is_sphere ? i - still->light_count : i;
-        const struct path_peak *peak = is_sphere ? &scene->sphere_peaks[lamp] : &scene->peaks[lamp];
-        struct place place;
-
-        if (!(peak->reach > 0.0)) continue;
-        place = draw_place(vertex, peak, near, far, stream);
-        if (place.weight > 0.0) add_peak(scene, vertex, peak, &place, lamp, is_sphere, stream, radiance);
-    }
+    for (size_t i = 0; i < scene->still->light_count + scene->still->sphere_count; i++)
+        add_one(scene, vertex, i, near, far, 1.0, stream, radiance);
 }

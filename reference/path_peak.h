@@ -9,7 +9,10 @@
 
 #include "reference/path_light.h"
 
-// Adds the light of one scattering more than the vertex'. From a path's beginning the new vertex lies on its ray
+// Adds the light of one lamp, of one scattering more than the vertex', less what belongs to other ways to find it.
+void path_peak_add_one(const struct path_scene *scene, const struct path_vertex *vertex, const struct path_aim *aim,
+                       size_t lamp, struct stream *stream, double radiance[static 3]);
+// The same of all lamps, from where a path begins. From a path's beginning the new vertex lies on its ray
 // between `near` and `far`, which do not count elsewhere.
 void path_peak_add(const struct path_scene *scene, const struct path_vertex *vertex, double near, double far,
                    struct stream *stream, double radiance[static 3]);

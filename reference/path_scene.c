@@ -14,6 +14,8 @@ static const double WIDEST_REACH = 0x1p40; // m
 // The least relative variance of what a phase shows of a lamp, over all directions, that is worth second paths: by
 // noise at equal time. A single lobe has it from a g of 0.82 on.
 static const double NARROW = 15.0;
+// From this g on connections near lamps follow the lobes, too: by noise at equal time.
+static const double WIDE_G = 0.3;
 // Scattered so often that a lobe's g becomes this one, light may as well be found by chance.
 static const double SPREAD_G = 0.5;
 
@@ -37,14 +39,30 @@ static double phase_variance(const struct medium *medium)
     return sum;
 }
 
-static int count_aim_vertices(const struct medium *medium)
+static double narrowest_g(const struct medium *medium)
 {
     double most = 0.0;
 
     for (size_t i = 0; i < medium->lobe_count; i++)
         most = fmax(most, g_of(&medium->lobes[i]));
+    return most;
+}
+
+static int count_aim_vertices(const struct medium *medium)
+{
+    double most = narrowest_g(medium);
+
     if (most <= SPREAD_G || phase_variance(medium) < NARROW) return 0;
     return (int)fmin(round(log(SPREAD_G) / log(most)), PATH_AIM_VERTICES);
+}
+
+static double mean_turn(const struct medium *medium)
+{
+    double mean = 0.0;
+
+    for (size_t i = 0; i < medium->lobe_count; i++)
+        mean += medium->lobes[i].weight * g_of(&medium->lobes[i]);
+    return 1.0 - mean;
 }
 
 static double sigma_most(const struct medium *medium)
@@ -154,6 +172,9 @@ static void add_medium(struct path_scene *scene, const struct medium *medium)
     added->medium = medium;
     added->sigma = sigma_most(medium);
     added->glows = glows(medium);
+    added->turn = mean_turn(medium);
+    added->g = narrowest_g(medium);
+    if (added->g >= WIDE_G && (!scene->narrow || scene->narrow->g < added->g)) scene->narrow = added;
     added->aim_vertices = count_aim_vertices(medium);
     majorant_init(&added->majorant, &medium->density);
     if (!added->glows || !(added->majorant.most > 0.0)) return;

@@ -19,6 +19,8 @@ struct path_medium {
     const struct medium *medium; // borrowed
     struct majorant majorant;    // of its density
     double sigma;                // tentative collisions per metre and unit of density: at least its extinctions
+    double g;                    // of its narrowest lobe
+    double turn;                 // 1 less the mean cosine of its phase
     bool glows;                  // it has a source of its own
     int aim_vertices;            // of second paths that begin here; 0: there are none, for it scatters widely
 };
@@ -38,7 +40,8 @@ struct path_scene {
     struct path_peak peaks[SCENE_LIGHT_LIMIT];        // of the still's lights
     struct path_peak sphere_peaks[SCENE_LIGHT_LIMIT]; // of its spheres
     struct dome_sampler dome;
-    int orders; // light of lamps and domes is scattered at most so often, >= 1
+    const struct path_medium *narrow; // the medium of the narrowest lobe; NULL: all scatter widely
+    int orders;                       // light of lamps and domes is scattered at most so often, >= 1
 };
 
 // False with an error that says which part of the still paths cannot follow: mirrors, dielectrics, specular surfaces,

@@ -10,6 +10,8 @@
 
 // Below this throughput a path goes on at random.
 static const double WEAK = 0.1;
+// The same where lamps are looked for, at a path's beginning; set by noise at equal time.
+static const double WEAK_TO_LAMPS = 0.3;
 // A path that would collide within this depth of the media's bounds is not forced to: others are one in e^-16.
 static const double SURE_DEPTH = 16.0;
 
@@ -24,6 +26,7 @@ struct walker {
     double near, far; // m: media count between them on this stretch
     double throughput[3];
     int order;                 // scatterings so far
+    double turned;             // by them: the sum of 1 less each one's mean cosine
     struct path_vertex vertex; // the last; or the path's beginning
     struct path_aim aim;
     bool is_aimed; // a second path, which looks for one lamp alone
@@ -62,7 +65,7 @@ static void hand_over(struct walker *walker)
 
 static void advance(struct walker *walker, struct stretch *stretch, size_t medium)
 {
-    double depth = -log1p(-stream_draw(walker->stream));
+    double depth = -log(1.0 - stream_draw(walker->stream));
 
     stretch->next[medium] = flight_advance(&stretch->flights[medium], depth / walker->scene->media[medium].sigma);
 }
@@ -174,10 +177,17 @@ static void meet_dome(struct walker *walker)
         radiance[c] += walker->throughput[c] * share * light[c];
 }
 
+// In a deep white medium a part of n^(-1/2) of the paths goes on after n turns, each of which brings less light of
+// lamps: n^(-3/2). The least noise for the time has odds in proportion to the root of the quotient.
+static double weak_throughput(const struct walker *walker)
+{
+    return path_aim_count_lamps(walker->scene) > 0 ? WEAK_TO_LAMPS * sqrt(1.0 + walker->turned) : WEAK;
+}
+
 // False: the path ends.
 static bool survives(struct walker *walker)
 {
-    double chance = greatest(walker->throughput) / WEAK;
+    double chance = greatest(walker->throughput) / weak_throughput(walker);
 
     if (chance >= 1.0) return true;
     if (!(stream_draw(walker->stream) < chance)) return false;
@@ -228,6 +238,7 @@ static enum event collide(struct walker *walker, const struct path_medium *path_
     walker->vertex = (struct path_vertex){.position = position,
                                           .incoming = walker->ray.direction,
                                           .medium = medium,
+                                          .turn = path_medium->turn,
                                           .aim_vertices = path_medium->aim_vertices};
     return walker->order < walker->scene->orders ? EVENT_SCATTERED : EVENT_ENDED;
 }
@@ -259,6 +270,7 @@ static struct path_vertex *reach_vertex(struct walker *walker)
     struct path_vertex *vertex = &walker->vertex;
 
     vertex->is_first = is_beginning(walker) && walker->walk->is_seen;
+    walker->turned += vertex->turn;
     walker->order++;
     for (int c = 0; c < 3; c++)
         vertex->throughput[c] = walker->throughput[c];
@@ -269,7 +281,7 @@ static void leave_vertex(struct walker *walker, struct vec3 direction)
 {
     for (int c = 0; c < 3; c++)
         walker->vertex.throughput[c] = walker->throughput[c];
-    path_aim_note(&walker->aim, walker->scene, &walker->vertex, direction);
+    path_aim_note(&walker->aim, &walker->vertex, direction);
     walker->ray = (struct ray){walker->vertex.position, direction};
     walker->near = 0.0;
     walker->far = INFINITY;
@@ -287,7 +299,11 @@ static bool follow_aimed(struct walker *walker, size_t lamp)
     if (fly(walker, &stretch) != EVENT_SCATTERED) return false;
     vertex = reach_vertex(walker);
     path_light_add_one(walker->scene, vertex, &walker->aim, lamp, walker->stream, radiance_of(walker, walker->order));
+    if (walker->order < walker->scene->orders)
+        path_peak_add_one(walker->scene, vertex, &walker->aim, lamp, walker->stream,
+                          radiance_of(walker, walker->order + 1));
     if (walker->order >= walker->scene->orders || !survives(walker)) return false;
+    path_aim_look(&walker->aim, walker->scene, vertex);
     leave_vertex(walker, path_vertex_draw(vertex, walker->stream));
     return true;
 }
@@ -300,10 +316,10 @@ static void send_aimed(struct walker *walker)
     for (size_t i = 0; i < count; i++) {
         struct walker aside;
 
-        if (!(stream_draw(walker->stream) < path_aim_chance(walker->scene, vertex, i))) continue;
+        if (!(stream_draw(walker->stream) < walker->aim.chances[i])) continue;
         aside = *walker;
         aside.is_aimed = true;
-        leave_vertex(&aside, path_aim_draw(walker->scene, vertex, i, walker->stream));
+        leave_vertex(&aside, path_aim_draw(&walker->aim, vertex, i, walker->stream));
         for (int k = 0; k < vertex->aim_vertices && follow_aimed(&aside, i); k++)
             continue;
         walker->looks = aside.looks;
@@ -325,8 +341,11 @@ static bool scatter(struct walker *walker)
         walker->walk->on_vertex(walker->walk->user, walker->order, vertex->position, walker->throughput);
     if (vertex->is_surface) walker->aim = (struct path_aim){0}; // second paths end at surfaces
     path_light_add(scene, vertex, &walker->aim, walker->stream, radiance_of(walker, walker->order));
+    for (size_t i = 0; walker->order < scene->orders && i < path_aim_count_lamps(scene); i++)
+        path_peak_add_one(scene, vertex, &walker->aim, i, walker->stream, radiance_of(walker, walker->order + 1));
     if (walker->order >= scene->orders && !still->has_dome && still->sphere_count == 0) return false;
     if (!survives(walker)) return false;
+    path_aim_look(&walker->aim, scene, vertex);
     if (walker->order < scene->orders) send_aimed(walker);
     leave_vertex(walker, path_vertex_draw(vertex, walker->stream));
     return true;
@@ -341,7 +360,7 @@ static bool meet_surface(struct walker *walker, const struct stretch *stretch)
     double albedo[3];
 
     if (walker->order >= walker->scene->orders) return false;
-    *vertex = (struct path_vertex){.incoming = walker->ray.direction, .is_surface = true};
+    *vertex = (struct path_vertex){.incoming = walker->ray.direction, .is_surface = true, .turn = 1.0};
     vertex->position = shape_snap(shape, ray_at(&walker->ray, stretch->end));
     vertex->normal = shape_normal(shape, vertex->position);
     // An object that ends here leaves the face of the one behind it, turned the other way.
@@ -360,7 +379,7 @@ static bool follow(struct walker *walker)
 
     begin_stretch(walker, &stretch);
     if (stretch.is_inside) return false;
-    if (walker->order < walker->scene->orders)
+    if (is_beginning(walker))
         path_peak_add(walker->scene, &walker->vertex, walker->near, fmin(walker->far, stretch.end), walker->stream,
                       radiance_of(walker, walker->order + 1));
     draw_collisions(walker, &stretch);
