@@ -4,6 +4,7 @@
 #include "reference/path_walk.h"
 #include "tests/support/path_still.h"
 #include "tests/support/solid_still.h"
+#include "tests/support/tally.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -11,24 +12,6 @@
 #include <stddef.h>
 
 #include <cmocka.h>
-
-// Sums of a random number.
-struct tally {
-    double count, mean, squares;
-};
-
-static void add_to(struct tally *tally, double value)
-{
-    double off = value - tally->mean;
-
-    tally->mean += off / ++tally->count;
-    tally->squares += off * (value - tally->mean);
-}
-
-static double error_of(const struct tally *tally)
-{
-    return sqrt(tally->squares / (tally->count * (tally->count - 1.0)));
-}
 
 // Narrow lobes in two media of which one has a second lobe, above a floor; a sun, a sphere and a point, by turns.
 static void fill_narrow_media(struct still *still, int lamp)
@@ -61,7 +44,7 @@ static struct tally look_through(const struct path_scene *scene, int count, uint
         double radiance[3] = {0.0, 0.0, 0.0};
 
         path_walk_add(scene, &walk, &stream, radiance);
-        add_to(&tally, radiance[0]);
+        tally_add(&tally, radiance[0]);
     }
     return tally;
 }
@@ -85,9 +68,10 @@ static void second_paths_change_no_light(void **state)
                 scene.media[i].aim_vertices = 0;
             without = look_through(&scene, 80000, 2);
             path_scene_finish(&scene);
-            print_message("lamps %d: with %.5f +- %.5f, without %.5f +- %.5f\n", lamp, with.mean, error_of(&with),
-                          without.mean, error_of(&without));
-            assert_by_chance(with.mean, hypot(error_of(&with), error_of(&without)), without.mean, 0.12, 0.0);
+            print_message("lamps %d: with %.5f +- %.5f, without %.5f +- %.5f\n", lamp, with.mean,
+                          tally_find_error(&with), without.mean, tally_find_error(&without));
+            assert_by_chance(with.mean, hypot(tally_find_error(&with), tally_find_error(&without)), without.mean, 0.12,
+                             0.0);
         }
 }
 

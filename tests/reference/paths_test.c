@@ -98,15 +98,20 @@ static void a_grid_s_first_order_is_exact(void **state)
     check_first_order(&still, 0.02);
 }
 
+static void add_mixed_media(struct still *still)
+{
+    set_colors(path_still_add_grid(still, 1.0, 0.2), 2.0, 1.0, 0.3);
+    set_colors(path_still_add_ball(still, (struct vec3){0.3, 0.2, 0.5}, 0.7, 0.5, 0.4), 0.1, 1.0, 2.0);
+    path_still_set_g(path_still_add_noise(still, SCENE_NOISE_CLIP, 2.0, 0.1), 0.8);
+    add_lamps(still);
+}
+
 static void mixed_media_s_first_order_is_exact(void **state)
 {
     struct still still;
 
     solid_still_init(&still);
-    set_colors(path_still_add_grid(&still, 1.0, 0.2), 2.0, 1.0, 0.3);
-    set_colors(path_still_add_ball(&still, (struct vec3){0.3, 0.2, 0.5}, 0.7, 0.5, 0.4), 0.1, 1.0, 2.0);
-    path_still_set_g(path_still_add_noise(&still, SCENE_NOISE_CLIP, 2.0, 0.1), 0.8);
-    add_lamps(&still);
+    add_mixed_media(&still);
     check_first_order(&still, 0.02);
 }
 
@@ -142,10 +147,7 @@ static void thin_mixed_media_s_first_order_is_exact(void **state)
 
     solid_still_init(&still);
     solid_still_set_background(&still, 1e-4);
-    set_colors(path_still_add_grid(&still, 1.0, 0.2), 2.0, 1.0, 0.3);
-    set_colors(path_still_add_ball(&still, (struct vec3){0.3, 0.2, 0.5}, 0.7, 0.5, 0.4), 0.1, 1.0, 2.0);
-    path_still_set_g(path_still_add_noise(&still, SCENE_NOISE_CLIP, 2.0, 0.1), 0.8);
-    add_lamps(&still);
+    add_mixed_media(&still);
     for (size_t i = 0; i < still.medium_count; i++)
         make_thinner(&still.media[i], i == 1 ? 3.0 : 1e3);
     check_first_order(&still, 0.05);

@@ -6,6 +6,7 @@
 #include "tests/support/assert_near.h"
 #include "tests/support/path_still.h"
 #include "tests/support/solid_still.h"
+#include "tests/support/tally.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -13,24 +14,6 @@
 #include <stddef.h>
 
 #include <cmocka.h>
-
-// Sums of a random number.
-struct tally {
-    double count, mean, squares;
-};
-
-static void add_to(struct tally *tally, double value)
-{
-    double off = value - tally->mean;
-
-    tally->mean += off / ++tally->count;
-    tally->squares += off * (value - tally->mean);
-}
-
-static double error_of(const struct tally *tally)
-{
-    return sqrt(tally->squares / (tally->count * (tally->count - 1.0)));
-}
 
 // The light along a ray as one that was scattered before meets it, by one path; of the first colour.
 static double look_along(const struct path_scene *scene, struct vec3 origin, struct vec3 direction,
@@ -140,11 +123,11 @@ static void white_colors_vanish_in_the_mean(void **state)
 
         path_walk_add(&scene, &walk, &stream, radiance);
         for (int c = 0; c < 3; c++)
-            add_to(&tallies[c], radiance[c]);
+            tally_add(&tallies[c], radiance[c]);
     }
-    assert_by_chance(tallies[0].mean, error_of(&tallies[0]), 1.0, 0.05, 0.0);
-    assert_by_chance(tallies[1].mean, error_of(&tallies[1]), 1.0, 0.05, 0.0);
-    assert_true(tallies[2].mean < 0.8 && error_of(&tallies[2]) < 0.02);
+    assert_by_chance(tallies[0].mean, tally_find_error(&tallies[0]), 1.0, 0.05, 0.0);
+    assert_by_chance(tallies[1].mean, tally_find_error(&tallies[1]), 1.0, 0.05, 0.0);
+    assert_true(tallies[2].mean < 0.8 && tally_find_error(&tallies[2]) < 0.02);
     path_scene_finish(&scene);
 }
 
@@ -154,7 +137,7 @@ static void note_place(void *user, int order, struct vec3 position, const double
 {
     struct tally *tallies = user;
 
-    if (order <= COLLISIONS) add_to(&tallies[order - 1], throughput[0] * position.z);
+    if (order <= COLLISIONS) tally_add(&tallies[order - 1], throughput[0] * position.z);
 }
 
 // A furnace does not see wrong free paths or wrong phases; places do.
@@ -180,7 +163,7 @@ static void collisions_lie_where_theory_says(void **state)
                 path_walk_add(&scene, &walk, &stream, radiance);
             }
             for (int n = 1; n <= COLLISIONS; n++)
-                assert_by_chance(tallies[n - 1].mean, error_of(&tallies[n - 1]),
+                assert_by_chance(tallies[n - 1].mean, tally_find_error(&tallies[n - 1]),
                                  (1.0 - pow(GS[k], n)) / (SIGMAS[s] * (1.0 - GS[k])), 0.03, 0.0);
             path_scene_finish(&scene);
         }
@@ -213,7 +196,7 @@ static struct tally measure_fluence(const struct path_scene *scene, struct vec3 
     for (uint64_t i = 0; i < (uint64_t)count; i++) {
         struct stream stream = stream_of(seed, i);
 
-        add_to(&tally, look_around(scene, position, &stream));
+        tally_add(&tally, look_around(scene, position, &stream));
     }
     return tally;
 }
@@ -265,8 +248,8 @@ static void a_lamp_in_an_endless_medium_shines_as_theory_says(void **state)
             path_scene_init(&scene, &still, SCENE_ORDERS_ALL);
             tally = measure_fluence(&scene, (struct vec3){0.0, DISTANCES[d], 0.0}, a, 30000);
             print_message("albedo %g, %g free paths away: %.5f +- %.5f, theory %.5f\n", ALBEDOS[a], DISTANCES[d],
-                          tally.mean, error_of(&tally), truth);
-            assert_by_chance(tally.mean, error_of(&tally), truth, 0.03, 1e-4 * truth);
+                          tally.mean, tally_find_error(&tally), truth);
+            assert_by_chance(tally.mean, tally_find_error(&tally), truth, 0.03, 1e-4 * truth);
             path_scene_finish(&scene);
         }
 }
@@ -288,7 +271,7 @@ static void a_peak_s_reach_changes_no_light(void **state)
         path_scene_init(&scene, &still, SCENE_ORDERS_ALL);
         scene.peaks[0].reach = REACHES[i];
         tally = measure_fluence(&scene, (struct vec3){0.0, 1.0, 0.0}, i, 40000);
-        assert_by_chance(tally.mean, error_of(&tally), truth, 0.03, 1e-4 * truth);
+        assert_by_chance(tally.mean, tally_find_error(&tally), truth, 0.03, 1e-4 * truth);
         path_scene_finish(&scene);
     }
 }
@@ -340,11 +323,11 @@ static void a_half_space_reflects_as_chandrasekhar_says(void **state)
         for (uint64_t i = 0; i < 20000; i++) {
             struct stream stream = stream_of(a, i);
 
-            add_to(&tally, look_along(&scene, (struct vec3){0.0, 0.0, 101.0},
-                                      (struct vec3){0.0, sqrt(1.0 - eye * eye), -eye}, &stream));
+            tally_add(&tally, look_along(&scene, (struct vec3){0.0, 0.0, 101.0},
+                                         (struct vec3){0.0, sqrt(1.0 - eye * eye), -eye}, &stream));
         }
-        print_message("albedo %g: %.5f +- %.5f, theory %.5f\n", albedo, tally.mean, error_of(&tally), truth);
-        assert_by_chance(tally.mean, error_of(&tally), truth, 0.02, 1e-3 * truth);
+        print_message("albedo %g: %.5f +- %.5f, theory %.5f\n", albedo, tally.mean, tally_find_error(&tally), truth);
+        assert_by_chance(tally.mean, tally_find_error(&tally), truth, 0.02, 1e-3 * truth);
         path_scene_finish(&scene);
     }
 }
@@ -372,8 +355,9 @@ static void lamp_and_eye_may_change_places(void **state)
     path_scene_init(&scene, &still, SCENE_ORDERS_ALL);
     back = measure_fluence(&scene, a, 2, 80000);
     path_scene_finish(&scene);
-    print_message("there %.4f +- %.4f, back %.4f +- %.4f\n", there.mean, error_of(&there), back.mean, error_of(&back));
-    assert_by_chance(there.mean, hypot(error_of(&there), error_of(&back)), back.mean, 0.05, 0.0);
+    print_message("there %.4f +- %.4f, back %.4f +- %.4f\n", there.mean, tally_find_error(&there), back.mean,
+                  tally_find_error(&back));
+    assert_by_chance(there.mean, hypot(tally_find_error(&there), tally_find_error(&back)), back.mean, 0.05, 0.0);
 }
 
 // The unscattered share of the lamp's light along a ray from it.
@@ -432,10 +416,10 @@ static void all_light_leaves_or_is_absorbed(void **state)
     for (uint64_t i = 0; i < 30000; i++) {
         struct stream stream = stream_of(3, i);
 
-        add_to(&tally, absorb(&scene, 2.0 * radius, &stream) + leave(&scene, radius, &stream));
+        tally_add(&tally, absorb(&scene, 2.0 * radius, &stream) + leave(&scene, radius, &stream));
     }
-    print_message("%.4f +- %.4f of what is sent\n", tally.mean / (4.0 * M_PI), error_of(&tally) / (4.0 * M_PI));
-    assert_by_chance(tally.mean / (4.0 * M_PI), error_of(&tally) / (4.0 * M_PI), 1.0, 0.05, 0.0);
+    print_message("%.4f +- %.4f of what is sent\n", tally.mean / (4.0 * M_PI), tally_find_error(&tally) / (4.0 * M_PI));
+    assert_by_chance(tally.mean / (4.0 * M_PI), tally_find_error(&tally) / (4.0 * M_PI), 1.0, 0.05, 0.0);
     path_scene_finish(&scene);
 }
 
