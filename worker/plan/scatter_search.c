@@ -302,7 +302,7 @@ static bool try_ways(struct walk *walk)
     return try_finer(walk, &rung);
 }
 
-// Fills the grid that was found from the lights, with so few paths that both pictures cost half of it.
+// Fills the grid that was found from the lights, with so few paths that both pictures cost an eighth of it.
 static bool try_lights(struct walk *walk)
 {
     struct scatter_setting setting = walk->finding.setting;
@@ -310,7 +310,7 @@ static bool try_lights(struct walk *walk)
 
     if (!walk->search->may_choose || setting.grid_rung < 0 || walk->finding.paths < CHOICE_LEAST) return true;
     setting.is_from_lights = true;
-    setting.path_rung = (int)floor(log2(0.5 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
+    setting.path_rung = (int)floor(log2(0.125 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
     if (setting.path_rung < 0) return true;
     walk->is_dear = true;
     return try_grid(walk, setting, &measured);

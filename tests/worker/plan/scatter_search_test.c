@@ -25,6 +25,7 @@ struct terrain {
     bool is_chance_known;
     double lights_noise; // of particles from the lights, relative to walks; 0: there is no choice
     int lights_measured;
+    double seen, length; // the share of nodes whose walks are made, and their length over the usual one; 0: not counted
 };
 
 // A factor of 0.5 to 1.7 or so, 1 in the mean: the mean of four exponential numbers.
@@ -67,6 +68,10 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
     *measured = (struct scatter_measured){.cells = cells + (terrain->measured % 2 ? -1 : 1) * terrain->chance,
                                           .chance = terrain->is_chance_known ? fabs(terrain->chance) : 0.0,
                                           .noise = noise};
+    if (terrain->seen > 0.0 && grid_rung >= 0 && !setting->is_from_lights) {
+        measured->walks = terrain->seen * pow(scatter_grid_cells[grid_rung], 3.0) * exp2(path_rung);
+        measured->usual_walks = terrain->length * measured->walks;
+    }
     return ++terrain->measured != terrain->stop_after;
 }
 
@@ -175,6 +180,52 @@ static void a_cheap_grid_is_filled_as_it_comes(void **state)
 
     assert_false(search(&terrain, 0.03, true).setting.is_from_lights);
     assert_int_equal(terrain.lights_measured, 0);
+    (void)state;
+}
+
+// Nodes that the camera hardly sees have few walks: the search may look at grids that are finer for it.
+static void hidden_nodes_are_not_paid_for(void **state)
+{
+    struct terrain open = {.cells = 12.0, .noise = 25.0, .pixel_noise = 600.0}, hidden = open;
+    struct scatter_finding dear = search_within(&open, 0.01, true, 6e6), found;
+
+    hidden.seen = 0.05;
+    hidden.length = 1.0;
+    found = search_within(&hidden, 0.01, true, 6e6);
+    assert_true(hidden.traced > 4.0 * open.traced);
+    assert_true(found.is_found && found.paths < 0.2 * dear.paths);
+    assert_true(fabs(found.paths - 0.05 * cost_of(found.setting.grid_rung, found.setting.path_rung)) <
+                1e-6 * found.paths);
+    (void)state;
+}
+
+// Paths that are scattered a thousand times take a thousand looks, from pixels as from nodes.
+static void long_walks_cost_what_they_take(void **state)
+{
+    struct terrain usual = {.cells = 4.0, .noise = 25.0, .pixel_noise = 60.0, .seen = 1.0, .length = 1.0};
+    struct terrain longer = usual;
+    struct scatter_finding found = search_within(&usual, 0.01, true, 6e7);
+
+    longer.length = 30.0;
+    assert_true(search_within(&longer, 0.01, true, 6e7).paths > 10.0 * found.paths);
+    assert_true(longer.traced < 0.2 * usual.traced);
+    (void)state;
+}
+
+// What chance hides in a fine grid follows from coarser ones that were measured well.
+static void coarser_grids_tell_what_chance_hides(void **state)
+{
+    static const double chances[] = {-1e-4, 1e-4};
+
+    for (size_t i = 0; i < 2; i++) {
+        struct terrain terrain = {
+            .cells = 5.0, .noise = 0.2, .pixel_noise = 1e4, .chance = chances[i], .is_chance_known = true};
+        struct scatter_finding found = search(&terrain, 0.01, true);
+
+        assert_true(found.is_found);
+        assert_true(square_of(&terrain, found.setting.grid_rung, found.setting.path_rung) <= 1.2 * 0.01 * 0.01);
+        assert_true(scatter_grid_cells[found.setting.grid_rung] <= 45);
+    }
     (void)state;
 }
 
@@ -297,6 +348,9 @@ int main(void)
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(the_lights_fill_a_grid_where_that_costs_less),
         cmocka_unit_test(a_cheap_grid_is_filled_as_it_comes),
+        cmocka_unit_test(hidden_nodes_are_not_paid_for),
+        cmocka_unit_test(long_walks_cost_what_they_take),
+        cmocka_unit_test(coarser_grids_tell_what_chance_hides),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
         cmocka_unit_test(a_grid_too_fine_to_be_tried_is_found_by_coarser_ones),
         cmocka_unit_test(noise_that_is_large_by_chance_makes_no_cell_finer),
