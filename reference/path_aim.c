@@ -8,6 +8,8 @@
 // Set by noise at equal time, and so is how fast chances fall, and where they are nothing: in mean free paths beyond
 // those that second paths go.
 static const double LEAST_CHANCE = 0.1, FALL = 2.0, DEEPEST = 16.0;
+// Of a depth that is known roughly: gaps between the cells let light through.
+static const double ROUGH_SHARE = 0.5;
 
 size_t path_aim_count_lamps(const struct path_scene *scene)
 {
@@ -32,10 +34,10 @@ static double find_way(const struct path_scene *scene, const struct path_vertex 
     return distance;
 }
 
-// Of the even media on the way.
-static double find_depth(const struct path_scene *scene, const struct ray *way, double distance)
+// Of all media on the way; roughly where they vary.
+static double find_depth(const struct path_scene *scene, const struct ray *way, double distance, size_t lamp)
 {
-    double depth = 0.0;
+    double depth = ROUGH_SHARE * path_depth_at(&scene->depth, lamp, way->origin);
 
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct density *density = &scene->media[i].medium->density;
@@ -64,7 +66,8 @@ void path_aim_look(struct path_aim *aim, const struct path_scene *scene, const s
         double distance = find_way(scene, vertex, i, &way.direction);
 
         aim->ways[i] = way.direction;
-        aim->chances[i] = distance > 0.0 ? find_chance(vertex, way.direction, find_depth(scene, &way, distance)) : 0.0;
+        aim->chances[i] =
+            distance > 0.0 ? find_chance(vertex, way.direction, find_depth(scene, &way, distance, i)) : 0.0;
     }
 }
 

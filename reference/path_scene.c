@@ -191,6 +191,7 @@ void path_scene_init(struct path_scene *scene, const struct still *still, int or
         if (sigma_most(medium) > 0.0 || glows(medium)) add_medium(scene, medium);
     }
     find_peaks(scene);
+    if (scene->narrow) path_depth_init(&scene->depth, still);
     if (still->has_dome) dome_sampler_init(&scene->dome, &still->dome);
 }
 
@@ -199,6 +200,7 @@ void path_scene_finish(struct path_scene *scene)
     for (size_t i = 0; i < scene->medium_count; i++)
         majorant_finish(&scene->media[i].majorant);
     dome_sampler_finish(&scene->dome);
+    path_depth_finish(&scene->depth);
     *scene = (struct path_scene){0};
 }
 

@@ -81,14 +81,17 @@ static void lobes_change_no_light_near_lamps(void **state)
 // Deep in a medium second paths for a lamp are sent seldom or not at all, and paths end early.
 static void depth_changes_no_light(void **state)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         double sigma_t = i == 0 ? 12.0 : 40.0;
         struct look deep, plain;
         struct path_scene scene;
         struct still still;
 
         solid_still_init(&still);
-        path_still_set_g(path_still_add_ball(&still, (struct vec3){0.0, 0.0, 0.0}, 1.0, sigma_t, 0.0), 0.85);
+        if (i < 2)
+            path_still_set_g(path_still_add_ball(&still, (struct vec3){0.0, 0.0, 0.0}, 1.0, sigma_t, 0.0), 0.85);
+        else
+            path_still_set_g(path_still_add_noise(&still, SCENE_NOISE_CLIP, sigma_t, 0.0), 0.85);
         path_still_add_sun(&still, (struct vec3){1.0, -1.0, -0.3}, 1.0);
         path_scene_init(&scene, &still, SCENE_ORDERS_ALL);
         deep = look_beside(&scene, 40000, 3);
@@ -96,8 +99,8 @@ static void depth_changes_no_light(void **state)
         scene.media[0].turn = 0.0;
         plain = look_beside(&scene, 40000, 4);
         path_scene_finish(&scene);
-        print_message("%.0f a metre: %.5f +- %.5f, plain %.5f +- %.5f\n", sigma_t, deep.mean, deep.error, plain.mean,
-                      plain.error);
+        print_message("%d, %.0f a metre: %.5f +- %.5f, plain %.5f +- %.5f\n", i, sigma_t, deep.mean, deep.error,
+                      plain.mean, plain.error);
         assert_by_chance(deep.mean, hypot(deep.error, plain.error), plain.mean, 0.03, 0.0);
     }
 }
