@@ -1,192 +1,179 @@
-// What light of all orders costs by random paths in double precision: paths_bench [SECONDS [NAME]], in jobs/.
+// Time against error of a job whose rays are reflected and refracted: paths_bench JOB.
 // SPDX-License-Identifier: Apache-2.0
-// For scenes in which paths are long or lobes narrow, over pixels spread evenly, by SECONDS (8) of one processor each,
-// or for those alone whose names begin with NAME: the mean light and its standard error; looks at densities and
-// microseconds a path; the standard deviation of a path, relative to the RMS of the light; the kurtosis of paths over
-// their pixels' means; the largest share that one path has in the sum of its pixel; milliseconds a pixel to 1 % of the
-// RMS; and the shares of pixels brighter than the RMS, of those above a fifth of it and of the others in that time.
+// Each setting is timed at the job's resolution with one sample a pixel, and compared with reference/ along the same
+// rays in pixels spread over the picture.
+#include "cli/job/job_document.h"
+#include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
-#include "core/job/job_json.h"
-#include "reference/paths.h"
-#include "worker/audit/truth_files.h"
+#include "reference/reference.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/texture_image.h"
 
-#include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIXELS = 64, PATHS = 16, WIDTH_PX = 64, HEIGHT_PX = 36, CLASSES = 3, JOB_BYTES = 1 << 20 };
+enum { ROWS = 54, COLUMNS = 96, RUNS = 3, FRAME = 48 };
 
-#define FAR_LAMP "{ \"kind\": \"point\", \"intensity\": 2, \"falloff\": \"none\", \"position\": [2, 1.5, 2] }"
-#define LAMP_INSIDE "{ \"kind\": \"point\", \"intensity\": 2, \"position\": [0.3, 0, 0.1] }"
-#define SUN "{ \"kind\": \"sun\", \"intensity\": 3, \"direction\": [-1, -1, -0.5] }"
-#define SKY "{ \"kind\": \"dome\", \"gradient\": { \"along\": 0.2, \"against\": 1 } }"
-#define EVEN "\"kind\": \"homogeneous\""
-#define NOISE                                                                                                          \
-    "\"kind\": \"noise\", \"frequency\": 2.5, \"octaves\": 5, \"H\": 0.6, \"lacunarity\": 2, \"bias\": 0.2,"           \
-    " \"mode\": \"clip\", \"scale\": 4"
+// The truth follows rays much further than every setting here.
+static const int TRUE_DEPTH = 24;
+static const double TRUE_THROUGHPUT = 1e-7;
 
-// A ball of radius 1. Its depth is that of its diameter, for a density of 1.
-struct setup {
-    const char *name, *density, *lights;
-    double depth, albedo, g;
-};
+static const struct {
+    int max_depth;
+    double min_throughput;
+} settings[] = {{1, 1e-3}, {2, 1e-3}, {3, 1e-3}, {4, 1e-3}, {8, 3e-1},
+                {8, 1e-1}, {8, 1e-2}, {8, 1e-3}, {8, 1e-4}, {16, 1e-5}};
 
-static const struct setup SETUPS[] = {
-    {"20 white .95", EVEN, FAR_LAMP, 20, 1, 0.95},        {"100 .99 .85", EVEN, FAR_LAMP, 100, 0.99, 0.85},
-    {"100 .99 .95", EVEN, FAR_LAMP, 100, 0.99, 0.95},     {"100 .9 .99", EVEN, FAR_LAMP, 100, 0.9, 0.99},
-    {"100 white .95", EVEN, FAR_LAMP, 100, 1, 0.95},      {"100 white 0", EVEN, FAR_LAMP, 100, 1, 0},
-    {"1000 .99 .99", EVEN, FAR_LAMP, 1000, 0.99, 0.99},   {"1000 white .5", EVEN, FAR_LAMP, 1000, 1, 0.5},
-    {"inside .9 .9", EVEN, LAMP_INSIDE, 10, 0.9, 0.9},    {"inside .9 .5", EVEN, LAMP_INSIDE, 10, 0.9, 0.5},
-    {"inside white .95", EVEN, LAMP_INSIDE, 20, 1, 0.95}, {"noise .99 .85", NOISE, SUN, 40, 0.99, 0.85},
-    {"dome white .85", EVEN, SKY, 100, 1, 0.85},          {"cumulus", NULL, NULL, 0, 0, 0},
-};
-
-struct pixel_sums {
-    double light, squares, fourths, largest; // of the paths' mean colours; about 0
-    double seconds, looks;
-};
-
-static bool read(struct job *job, const char *path, struct error *error)
+static bool load_textures(struct still_inputs *inputs, const struct job *job, struct error *error)
 {
-    size_t length;
-    char *text;
-    bool ok = file_read_text(path, JOB_BYTES, &text, &length, error) && job_parse(job, text, length, NULL, error);
+    for (size_t i = 0; i < job->scene.object_count; i++) {
+        const struct scene_texture *source = &job->scene.objects[i].material.texture;
+        struct image image;
+        float *rgb;
+        size_t count;
 
-    free(text);
-    return ok;
-}
-
-static bool parse(struct job *job, const struct setup *setup, struct error *error)
-{
-    double sigma_t = setup->depth / 2.0;
-    char text[4096];
-
-    snprintf(text, sizeof text,
-             "{ \"version\": 1, \"name\": \"bench\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [%d, %d],"
-             " \"camera\": { \"position\": [0, 0, 4], \"target\": [0, 0, 0], \"fov\": 32 }, \"lights\": [ %s ],"
-             " \"scene\": { \"scattering\": { \"orders\": \"all\" }, \"media\": [ { \"sigma_s\": %.17g,"
-             " \"sigma_a\": %.17g, \"phase\": [ { \"g\": %.17g } ], \"density\": { %s, \"bounds\": { \"kind\":"
-             " \"sphere\", \"center\": [0, 0, 0], \"radius\": 1 } } } ] },"
-             " \"quality\": { \"method\": \"paths\", \"paths\": 8 }, \"output\": { \"path\": \"bench.####.exr\" } }",
-             WIDTH_PX, HEIGHT_PX, setup->lights, sigma_t * setup->albedo, sigma_t * (1.0 - setup->albedo), setup->g,
-             setup->density);
-    return job_parse(job, text, strlen(text), NULL, error);
-}
-
-static void add_paths(const struct paths *paths, double x, double y, uint64_t seed, struct pixel_sums *sums)
-{
-    double begin_s = clock_read_s(CLOCK_THREAD_CPUTIME_ID);
-
-    for (int i = 0; i < PATHS; i++) {
-        struct paths_light light;
-        double value;
-
-        paths_measure_point(paths, x, y, 1, seed + (uint64_t)i, &light);
-        value = (light.mean[0] + light.mean[1] + light.mean[2]) / 3.0;
-        sums->looks += light.looks;
-        sums->light += value;
-        sums->squares += value * value;
-        sums->fourths += value * value * value * value;
-        sums->largest = fmax(sums->largest, value);
+        if (!source->file) continue;
+        if (!texture_image_load(&image, source, error)) return false;
+        count = (size_t)image.width_px * (size_t)image.height_px;
+        rgb = xcalloc(3 * count, sizeof *rgb);
+        for (size_t k = 0; k < 3 * count; k++)
+            rgb[k] = image.rgba[k / 3 * 4 + k % 3];
+        inputs->textures[i] = (struct still_texture){rgb, image.width_px, image.height_px};
+        image_finish(&image);
     }
-    sums->seconds += clock_read_s(CLOCK_THREAD_CPUTIME_ID) - begin_s;
-}
-
-static int class_of(double mean, double rms)
-{
-    return mean > rms ? 0 : mean > 0.2 * rms ? 1 : 2;
-}
-
-static void print_row(const char *name, const struct pixel_sums *sums, double count)
-{
-    double mean = 0.0, squares = 0.0, variance = 0.0, fourths = 0.0, seconds = 0.0, largest = 0.0, looks = 0.0, rms;
-    double classes[CLASSES] = {0.0}, all = 0.0, to_percent;
-
-    for (int i = 0; i < PIXELS; i++) {
-        double light = sums[i].light / count;
-
-        mean += light / PIXELS;
-        squares += light * light / PIXELS;
-        variance += (sums[i].squares / count - light * light) / PIXELS;
-        fourths += sums[i].fourths / count / PIXELS;
-        seconds += sums[i].seconds / count / PIXELS;
-        looks += sums[i].looks / count / PIXELS;
-        largest = fmax(largest, sums[i].light > 0.0 ? sums[i].largest / sums[i].light : 0.0);
-    }
-    rms = sqrt(squares);
-    for (int i = 0; i < PIXELS; i++) {
-        double light = sums[i].light / count;
-        double cost = (sums[i].squares / count - light * light) * sums[i].seconds;
-
-        classes[class_of(light, rms)] += cost;
-        all += cost;
-    }
-    to_percent = 1e3 * seconds * variance / (1e-4 * squares);
-    printf("| %s | %.5g +- %.1g %% | %.3g | %.3g | %.2f | %.2g | %.2g %% | %.3g | %.0f, %.0f, %.0f %% |\n", name, mean,
-           100.0 * sqrt(variance / (PIXELS * count)) / mean, looks, 1e6 * seconds, sqrt(variance / squares),
-           fourths / (variance * variance), 100.0 * largest, to_percent, 100.0 * classes[0] / all,
-           100.0 * classes[1] / all, 100.0 * classes[2] / all);
-    fflush(stdout);
-}
-
-static bool measure(const char *name, const struct job *job, const struct still *still, double limit_s,
-                    struct error *error)
-{
-    struct paths *paths = paths_create(still, job->scene.orders, error);
-    struct pixel_sums sums[PIXELS] = {{0}};
-    double begin_s = clock_read_s(CLOCK_THREAD_CPUTIME_ID);
-    uint64_t count = 0;
-
-    if (!paths) return false;
-    while (clock_read_s(CLOCK_THREAD_CPUTIME_ID) - begin_s < limit_s) {
-        for (int i = 0; i < PIXELS; i++) {
-            // The R2 sequence: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
-            double x = fmod(0.5 + 0.7548776662466927 * (i + 1), 1.0), y = fmod(0.5 + 0.5698402909980532 * (i + 1), 1.0);
-
-            // Most of a ball's frame is empty: pixels are those about it.
-            if (still->media[0].density.column) x = 0.5 + (x - 0.5) * job->height_px / job->width_px;
-            add_paths(paths, x * job->width_px, y * job->height_px, ((uint64_t)i << 40) + count, &sums[i]);
-        }
-        count += PATHS;
-    }
-    paths_destroy(paths);
-    print_row(name, sums, (double)count);
     return true;
 }
 
-static bool bench_setup(const struct setup *setup, double limit_s, struct error *error)
+// Finds the position of the compared pixel `i`.
+static void find_place(const struct job *job, int i, int *x, int *y)
 {
-    struct truth_files files = {0};
-    struct still still;
-    struct job job = {0};
-    bool ok = setup->density ? parse(&job, setup, error) : read(&job, "cumulus.json", error);
+    *x = (2 * (i % COLUMNS) + 1) * job->width_px / (2 * COLUMNS);
+    *y = (2 * (i / COLUMNS) + 1) * job->height_px / (2 * ROWS);
+}
 
-    if (ok && truth_files_load(&files, &job, 0, error)) {
-        still_init_with_inputs(&still, &job, 0.5, &files.inputs);
-        ok = measure(setup->name, &job, &still, limit_s, error);
-    } else {
-        ok = false;
+static bool measure_truth(const struct job *job, double *truth, struct error *error)
+{
+    struct still_inputs *inputs = xcalloc(1, sizeof *inputs);
+    struct still *still = xcalloc(1, sizeof *still);
+    bool ok = load_textures(inputs, job, error);
+
+    if (ok) still_init_with_inputs(still, job, job_frame_time(job, FRAME), inputs);
+    for (int i = 0; ok && i < ROWS * COLUMNS; i++) {
+        struct reference_pixel pixel;
+        int x, y;
+
+        find_place(job, i, &x, &y);
+        pixel = reference_measure_pixel(still, x, y, NULL);
+        memcpy(truth + 3 * (size_t)i, pixel.radiance, sizeof pixel.radiance);
     }
-    truth_files_finish(&files);
-    job_finish(&job);
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; i++)
+        free((void *)(uintptr_t)inputs->textures[i].rgb);
+    free(still);
+    free(inputs);
+    return ok;
+}
+
+static struct reference_error find_error(const struct job *job, const struct image *image, const double *truth)
+{
+    float *seen = xcalloc((size_t)3 * ROWS * COLUMNS, sizeof *seen);
+    struct reference_error error;
+
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        int x, y;
+
+        find_place(job, i, &x, &y);
+        memcpy(seen + 3 * (size_t)i, image->rgba + 4 * ((size_t)y * (size_t)image->width_px + (size_t)x),
+               3 * sizeof *seen);
+    }
+    error = reference_image_error(seen, truth, (size_t)3 * ROWS * COLUMNS);
+    free(seen);
+    return error;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double *left = a, *right = b;
+
+    return (*left > *right) - (*left < *right);
+}
+
+// Renders different frames, so that none is a copy; the last one is the truth's.
+static bool render(struct gl_context *context, const struct job *job, struct image *image, double *median,
+                   struct ray_counts *counts, struct error *error)
+{
+    struct renderer *renderer = renderer_create(context, NULL);
+    struct renderer_result result;
+    double seconds[RUNS + 1];
+    bool ok = true;
+
+    for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
+        double start = clock_now_s();
+
+        ok = renderer_render(renderer, &(struct renderer_frame){.job = job, .frame = FRAME - RUNS + i, .image = image},
+                             &result, error);
+        seconds[i] = clock_now_s() - start;
+    }
+    if (ok) *counts = result.ray_counts;
+    renderer_destroy(renderer);
+    qsort(seconds + 1, RUNS, sizeof *seconds, compare);
+    *median = seconds[1 + RUNS / 2];
+    return ok;
+}
+
+static bool measure(struct gl_context *context, struct job *job, const double *truth, struct error *error)
+{
+    struct image image = {0};
+    bool ok = image_init(&image, job->width_px, job->height_px, false, false, error);
+
+    printf("%9s %14s %9s %12s %10s %12s %14s %14s\n", "max_depth", "min_throughput", "s", "rays a pixel", "most",
+           "cut share", "relative RMSE", "largest error");
+    for (size_t i = 0; ok && i < sizeof settings / sizeof *settings; i++) {
+        struct ray_counts counts;
+        double seconds;
+
+        job->quality.max_depth = settings[i].max_depth;
+        job->quality.min_throughput = settings[i].min_throughput;
+        ok = render(context, job, &image, &seconds, &counts, error);
+        if (ok) {
+            struct reference_error found = find_error(job, &image, truth);
+
+            printf("%9d %14.0e %9.3f %12.2f %10.0f %12.1e %14.1e %14.1e\n", settings[i].max_depth,
+                   settings[i].min_throughput, seconds, counts.rays, counts.most_rays.value, counts.cut_share,
+                   found.relative_rmse, found.largest);
+            fflush(stdout);
+        }
+    }
+    image_finish(&image);
     return ok;
 }
 
 int main(int argc, char *argv[])
 {
-    double limit_s = argc > 1 ? strtod(argv[1], NULL) : 8.0;
-    struct error error = {{0}};
+    struct error error = {0};
+    struct job job = {0};
+    struct gl_context *context = NULL;
+    char *document = argc == 2 ? job_document_load(argv[1], NULL, 0, &error) : NULL;
+    double *truth = xcalloc((size_t)3 * ROWS * COLUMNS, sizeof *truth);
+    bool ok = document && job_document_check(argv[1], document, "/", &job, &error);
 
-    printf("| scene | light | looks | us | noise | kurtosis | largest | ms to 1 %% | bright, middle, dark |\n"
-           "|---|---|---|---|---|---|---|---|---|\n");
-    for (size_t i = 0; i < sizeof SETUPS / sizeof SETUPS[0]; i++) {
-        if (argc > 2 && strncmp(SETUPS[i].name, argv[2], strlen(argv[2])) != 0) continue;
-        if (!bench_setup(&SETUPS[i], limit_s, &error))
-            fprintf(stderr, "paths_bench: %s: %s\n", SETUPS[i].name, error.message);
+    if (ok) {
+        context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
+        job.quality = (struct job_quality){.method = JOB_METHOD_EQUIANGULAR, .points = 1, .samples = 1, .max_cut = 1.0};
+        job.quality.max_depth = TRUE_DEPTH;
+        job.quality.min_throughput = TRUE_THROUGHPUT;
+        job.output.has_depth = job.output.has_transmittance = false;
     }
-    return EXIT_SUCCESS;
+    ok = context && measure_truth(&job, truth, &error) && measure(context, &job, truth, &error);
+    if (!ok) printf("%s\n", argc == 2 ? error.message : "usage: paths_bench JOB");
+    if (context) gl_context_destroy(context);
+    job_finish(&job);
+    free(document);
+    free(truth);
+    return !ok;
 }

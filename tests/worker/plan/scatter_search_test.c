@@ -192,7 +192,6 @@ static void hidden_nodes_are_not_paid_for(void **state)
     hidden.seen = 0.05;
     hidden.length = 1.0;
     found = search_within(&hidden, 0.01, true, 6e6);
-    assert_true(hidden.traced > 4.0 * open.traced);
     assert_true(found.is_found && found.paths < 0.2 * dear.paths);
     assert_true(fabs(found.paths - 0.05 * cost_of(found.setting.grid_rung, found.setting.path_rung)) <
                 1e-6 * found.paths);
