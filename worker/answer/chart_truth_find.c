@@ -24,6 +24,7 @@ static const double NOISE_FACTOR = 1.5;
 
 // The accuracy asked of random paths, relative: pixels are many, and the noise of their light counts nothing.
 static const double PATHS_ACCURACY = 6e-3;
+static const double LONG_S = 60.0; // a chart that gives its truth less time is a quick one
 
 struct search {
     const struct chart_truth_params *params;
@@ -166,8 +167,8 @@ static bool find(struct search *search, struct error *error)
     }
     search->end_s = INFINITY;
     if (is_wanted(search) && count >= PILOT) return true;
-    error_set(error, "expected time for the truth of %d pixels, got %g s, in which there were %zu", PILOT,
-              params->seconds, count);
+    error_set(error, "expected time for the truth of %d pixels, got %g s, in which there were %zu%s", PILOT,
+              params->seconds, count, params->seconds < LONG_S ? "; without --quick there is more" : "");
     return false;
 }
 
