@@ -153,10 +153,10 @@ static void write_pace(const struct farm *farm, struct job_etas *etas, struct jo
                        struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
-    double median_s = estimate_median_s(&record->estimate), eta_s = -1;
+    double each_s = estimate_each_s(&record->estimate), eta_s = -1;
 
     if (queue_job_is_live(queued) && queued->wait == QUEUE_WAITS_NOT) eta_s = job_etas_find_s(etas, farm, record);
-    json_write_number_member(writer, "seconds_per_frame", median_s > 0 ? median_s : NAN);
+    json_write_number_member(writer, "seconds_per_frame", each_s > 0 ? each_s : NAN);
     json_write_number_member(writer, "eta_s", eta_s >= 0 ? eta_s : NAN);
 }
 

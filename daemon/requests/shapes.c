@@ -33,7 +33,7 @@ static const struct member job_members[] = {
     {"range", "string", .meaning = "its frames, as in 1-100x2,140"},
     {"output", "string", .meaning = "the absolute pattern of its files"},
     {"pool", "string?", .meaning = "the pool that it asks for"},
-    {"seconds_per_frame", "number?", .meaning = "median of recent frames"},
+    {"seconds_per_frame", "number?", .meaning = "median of recent frames, or what its plan foretells"},
     {"eta_s", "number?", .meaning = "seconds until it is over; null: unknown"},
     {"phase", "string?", .meaning = "of the frame whose phase is the furthest", .names = frame_phase_names + 1},
     {"phase_progress", "number?", .meaning = "how much of that phase is done, from 0 to 1"},

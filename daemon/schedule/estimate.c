@@ -97,6 +97,11 @@ double estimate_median_s(struct estimate *estimate)
     return (double)estimate->median_s;
 }
 
+double estimate_each_s(struct estimate *estimate)
+{
+    return estimate->count > 0 ? estimate_median_s(estimate) : (double)estimate->foretold_s;
+}
+
 // A segment is begun when the first of its frames is done.
 static int64_t count_plans(const struct estimate *estimate, int64_t total, int64_t left)
 {

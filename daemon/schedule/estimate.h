@@ -42,6 +42,8 @@ void estimate_add_skip(struct estimate *estimate, double seconds);
 void estimate_end_skips(struct estimate *estimate);     // a frame is being rendered
 size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT
 double estimate_median_s(struct estimate *estimate);    // 0: no durations
+// What users are told of a frame: the median and, before a frame is done, what its plan foretells. 0: unknown.
+double estimate_each_s(struct estimate *estimate);
 // Seconds until `workers` have done the last `left` (queued and running) of `total` frames, in order, with the plans of
 // the segments that are not begun; negative when unknown. While one worker plans a segment, the others wait for it.
 double estimate_eta_s(struct estimate *estimate, int64_t total, int64_t left, int workers);

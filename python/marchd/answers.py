@@ -64,7 +64,7 @@ class Job(Answer):
     output: str
     # the pool that it asks for
     pool: str | None
-    # median of recent frames
+    # median of recent frames, or what its plan foretells
     seconds_per_frame: float | None
     # seconds until it is over; null: unknown
     eta_s: float | None
@@ -624,7 +624,7 @@ class JobShow(Answer):
     output: str
     # the pool that it asks for
     pool: str | None
-    # median of recent frames
+    # median of recent frames, or what its plan foretells
     seconds_per_frame: float | None
     # seconds until it is over; null: unknown
     eta_s: float | None

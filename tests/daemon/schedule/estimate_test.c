@@ -173,7 +173,10 @@ static void a_plan_foretells_until_a_frame_is_done(void **state)
     assert_true(estimate_eta_s(&estimate, 10, 10, 2) < 0);
     estimate_foretell(&estimate, 90);
     assert_float_equal(estimate_eta_s(&estimate, 10, 10, 2), 450, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_each_s(&estimate), 90, FLOAT_TOLERANCE);
+    assert_true(estimate_median_s(&estimate) == 0);
     estimate_add(&estimate, 60);
+    assert_float_equal(estimate_each_s(&estimate), 60, FLOAT_TOLERANCE);
     assert_float_equal(estimate_eta_s(&estimate, 10, 9, 2), 300, FLOAT_TOLERANCE);
 }
 
