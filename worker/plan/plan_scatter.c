@@ -24,7 +24,7 @@
 enum { LIGHT_GRID_RUNG = 6 }; // of paths: 64 cells, whose error is a few thousandths of the light
 
 // Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
-static const double SHARE = 0.75, FIRST_SHARE = 0.4;
+static const double SHARE = 0.8, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
