@@ -49,11 +49,11 @@
 #define SKY "{ \"kind\": \"dome\", \"radiance\": 1 },"
 #define GRADIENT                                                                                                       \
     "{ \"kind\": \"dome\", \"gradient\": { \"along\": [2, 1, 0.5], \"against\": 0.2, \"axis\": [1, 2, 0] } },"
-#define GRID ", \"scatter_grid\": 16, \"paths\": 1024"
+#define GRID ", \"scatter_grid\": 16, \"paths\": 512"
 #define CACHED "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48" GRID
 #define COARSE "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_grid\": 12, \"paths\": 512"
 #define FROM_LIGHTS "\"method\": \"cached\", \"step\": 0.02, \"light_grid\": 48, \"scatter_from\": \"lights\""
-#define LIGHTS FROM_LIGHTS ", \"scatter_grid\": 20, \"paths\": 256"
+#define LIGHTS FROM_LIGHTS ", \"scatter_grid\": 20, \"paths\": 128"
 #define INSIDE "{ \"kind\": \"point\", \"intensity\": [1, 3, 2], \"position\": [0.3, -0.2, 0.25] },"
 #define FLAT "{ \"kind\": \"point\", \"falloff\": \"none\", \"intensity\": [1, 3, 2], \"position\": [1.2, 1, 0.9] },"
 #define SPHERE "{ \"kind\": \"sphere\", \"intensity\": [3, 2, 4], \"position\": [1.5, 0.5, 0.9], \"radius\": 0.4 },"
@@ -117,8 +117,8 @@ static void assert_true_to(const char *media, const char *lights, const char *or
     assert_near_truth(&truth, CACHED, limit);
 }
 
-// Without the orders above the first these would be 25 % to 70 % darker. The limits are twice what the cells and walks
-// err by here.
+// Without the orders above the first these would be 25 % to 70 % darker. The limits are twice what the cells and 1024
+// walks err by here: half of the walks err by 1.4 times as much.
 static void all_orders_are_those_of_the_reference(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void domes_are_those_of_the_reference(void **state)
     assert_true_to(NOISE, GRADIENT SUN, "\"all\"", 0.03);
 }
 
-// The limits are twice what the cells and particles err by here.
+// The limits are twice what the cells and 256 particles a node err by here: half of these err by 1.4 times as much.
 static void assert_sent(const char *media, const char *lights, const char *orders, double limit)
 {
     struct truth truth;
@@ -206,7 +206,7 @@ static void particles_from_lights_bring_all_orders(void **state)
     assert_sent(EVEN, SUN, "2", 0.02);
     assert_sent(EVEN, SUN LAMP, "\"all\"", 0.02);
     assert_sent(FORWARD, SUN, "\"all\"", 0.05);
-    assert_sent(RAYLEIGH, SPOT GRADIENT, "\"all\"", 0.022);
+    assert_sent(RAYLEIGH, SPOT GRADIENT, "\"all\"", 0.017);
     assert_sent(EVEN ", " FRACTAL, FLAT, "3", 0.03);
 }
 
