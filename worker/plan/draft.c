@@ -34,10 +34,11 @@ static int middle_rung(enum plan_axis axis, const struct plan_scene *scene)
     case PLAN_AXIS_MIN_TRANSMITTANCE:
         return 3;
     case PLAN_AXIS_SCATTER_GRID:
-    case PLAN_AXIS_PIXEL_PATHS:
         return 4;
+    case PLAN_AXIS_PIXEL_PATHS:
+        return 8;
     case PLAN_AXIS_NODE_PATHS:
-        return 5;
+        return 10;
     case PLAN_AXIS_PATHS: // the job's own
         break;
     }

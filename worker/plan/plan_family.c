@@ -294,7 +294,7 @@ static void set_axis(struct job_quality *quality, enum plan_axis axis, const str
         break;
     case PLAN_AXIS_NODE_PATHS:
     case PLAN_AXIS_PIXEL_PATHS:
-        quality->paths = 1 << rung;
+        quality->paths = scatter_paths_of(rung);
         break;
     }
 }
@@ -355,7 +355,7 @@ static int start_rung(enum plan_axis axis, int level)
         return 6;
     case PLAN_AXIS_NODE_PATHS:
     case PLAN_AXIS_PIXEL_PATHS:
-        return 8;
+        return 16;
     case PLAN_AXIS_PATHS:
         break;
     }

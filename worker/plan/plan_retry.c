@@ -12,6 +12,7 @@ enum { DROP_LIMIT = 4 }; // rungs by which another family may be coarser than th
 // Set by hand; tests/worker/plan/plan_retry_test shows what follows from them.
 static const double GOAL = 0.5;                                      // of the tolerance: the error to expect
 static const double FALL = 0.59460355750136051;                      // of an error by a rung: 2^(-1.5 / 2)
+static const double NOISE_FALL = 0.84089641525371454;                // of noise by a rung of paths: 2^(-0.5 / 2)
 static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, in units
 static const double DARK_DEPTH = 20.0;
 static const double SETTLED = 0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at
@@ -121,6 +122,11 @@ static double sum_up(const double *errors, int count)
     return sqrt(sum);
 }
 
+static bool is_noise(enum plan_axis axis)
+{
+    return axis == PLAN_AXIS_NODE_PATHS || axis == PLAN_AXIS_PIXEL_PATHS;
+}
+
 // Refines by one rung the axis that is most to blame of those that can be refined within `limit`.
 static bool refine_worst(const struct plan_retry *retry, const struct plan *plan, struct plan_point *point,
                          double *errors, double limit)
@@ -138,7 +144,7 @@ static bool refine_worst(const struct plan_retry *retry, const struct plan *plan
     }
     if (worst < 0) return false;
     point->rungs[worst]++;
-    errors[worst] *= FALL;
+    errors[worst] *= is_noise(axes[worst]) ? NOISE_FALL : FALL;
     return true;
 }
 
@@ -168,7 +174,7 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
 static int rung_like(const struct plan_retry *retry, const struct plan *plan, enum plan_axis wanted)
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
-    enum { CELLS = 6, RANDOM_PATHS = 9 }; // where the family before has none
+    enum { CELLS = 6, RANDOM_PATHS = 18 }; // where the family before has none
     int count = plan_retry_axes(retry, plan, axes), steps = 0;
 
     for (int i = 0; i < count; i++) {

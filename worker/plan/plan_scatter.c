@@ -23,8 +23,9 @@
 
 enum { LIGHT_GRID_RUNG = 6 }; // of paths: 64 cells, whose error is a few thousandths of the light
 
-// Shares of the tolerance, set by hand: the error of the whole plan, and the part of the first order in it.
-static const double SHARE = 0.8, FIRST_SHARE = 0.4;
+// Shares of the tolerance, set by hand: the error of the whole plan, that of one for MANY frames, among which a miss
+// costs little, and the part of the first order in it.
+static const double SHARE = 0.7, SHARE_OF_MANY = 0.8, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
@@ -249,8 +250,8 @@ static bool may_choose(const struct job *job)
 // The frame with the largest error of the cheapest setting is the one that the search measures.
 static bool find_worst(struct plan_scatter *scatter, bool has_grid)
 {
-    static const struct scatter_setting GRID = {.grid_rung = 4, .path_rung = 6},
-                                        PIXEL = {.grid_rung = SCATTER_PIXELS, .path_rung = 6};
+    static const struct scatter_setting GRID = {.grid_rung = 4, .path_rung = 12},
+                                        PIXEL = {.grid_rung = SCATTER_PIXELS, .path_rung = 12};
     struct plan tried = *scatter->plan;
     double most = -INFINITY;
 
@@ -332,6 +333,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
                            struct error *error)
 {
     const struct job *job = scatter->params->job;
+    double frames = (double)scatter->params->segment.count;
     struct plan first;
     struct scatter_finding finding = {.is_stopped = true};
     struct plan_scene scene;
@@ -343,15 +345,15 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
     if (has_grid && !refine_march(scatter, plan)) has_grid = false;
     first = *plan;
     if (find_paths_family(scatter, &scene) && find_worst(scatter, has_grid))
-        finding = scatter_search_run(&(struct scatter_search){
-            .target = SHARE * job->quality.tolerance,
-            .pixels = (double)job->width_px * job->height_px * job->quality.samples,
-            .has_grid = has_grid,
-            .may_choose = may_choose(job),
-            .path_max = PATHS_MOST * fmin(fmax((double)scatter->params->segment.count / MANY, 1.0), MORE_MOST),
-            .list_pixels = (double)pixel_count(scatter),
-            .measure = measure,
-            .user = scatter});
+        finding = scatter_search_run(
+            &(struct scatter_search){.target = (frames < MANY ? SHARE : SHARE_OF_MANY) * job->quality.tolerance,
+                                     .pixels = (double)job->width_px * job->height_px * job->quality.samples,
+                                     .has_grid = has_grid,
+                                     .may_choose = may_choose(job),
+                                     .path_max = PATHS_MOST * fmin(fmax(frames / MANY, 1.0), MORE_MOST),
+                                     .list_pixels = (double)pixel_count(scatter),
+                                     .measure = measure,
+                                     .user = scatter});
     if (finding.is_stopped) {
         *fault = scatter->fault;
         if (error) *error = scatter->error;

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-enum { CELLS = 4, WALKS = 6 }; // rungs: 16 cells of scattered light, 64 walks
+enum { CELLS = 4, WALKS = 12 }; // rungs: 16 cells of scattered light, 64 walks
 
 struct march {
     const struct scatter_march_params *params;

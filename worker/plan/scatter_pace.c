@@ -17,7 +17,7 @@ static double count_paths(const struct scatter_setting *setting, double pixels)
 {
     double nodes = setting->grid_rung == SCATTER_PIXELS ? pixels : pow(scatter_grid_cells[setting->grid_rung], 3.0);
 
-    return nodes * exp2(setting->path_rung);
+    return nodes * scatter_paths_of(setting->path_rung);
 }
 
 struct scatter_pace scatter_pace_begin(void)

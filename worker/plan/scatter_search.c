@@ -6,10 +6,11 @@
 const int scatter_grid_cells[SCATTER_GRID_RUNGS] = {4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256};
 
 enum {
-    GRID_FIRST = 4,       // 16 cells
-    GRID_GUESSED = 10,    // 128 cells: no finer grid is chosen untried, since it may take too much memory
-    PATHS_FIRST = 4,      // 16 paths of each node,
-    PIXEL_PATHS_FIRST = 7 // and 128 of each pixel
+    GRID_FIRST = 4,         // 16 cells
+    GRID_GUESSED = 10,      // 128 cells: no finer grid is chosen untried, since it may take too much memory
+    PATHS_FIRST = 8,        // 16 paths of each node,
+    PIXEL_PATHS_FIRST = 14, // and 128 of each pixel
+    FOURFOLD = 4
 };
 
 // The share of the target's square that a grid's cells may take: the rest is for the paths.
@@ -24,6 +25,11 @@ static const double PICTURES = 2.0; // of a measurement
 // Paths of a frame below which another way to fill the grid does not repay its linking and its trial.
 static const double CHOICE_LEAST = 3e5;
 
+int scatter_paths_of(int path_rung)
+{
+    return (int)lround(exp2(0.5 * path_rung));
+}
+
 struct walk {
     const struct scatter_search *search;
     struct scatter_finding finding;
@@ -37,8 +43,9 @@ struct walk {
     int coarse_rung;
     double coarse_cells;
     // The noise of one path of each node, times the number of cells along a side, as pixels see nodes along a ray: the
-    // largest of all grids that were tried.
-    double noise;
+    // largest of all grids that were tried, and their sum.
+    double noise, noise_sum;
+    int noise_count;
 };
 
 // The number of paths of one rung 0, in walks.
@@ -54,7 +61,7 @@ static double trial_of(const struct walk *walk, const struct scatter_setting *se
     double nodes =
         setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * walk->length : nodes_of(walk, setting);
 
-    return PICTURES * nodes * exp2(setting->path_rung);
+    return PICTURES * nodes * scatter_paths_of(setting->path_rung);
 }
 
 static bool measure(struct walk *walk, const struct scatter_setting *setting, struct scatter_measured *measured)
@@ -65,8 +72,8 @@ static bool measure(struct walk *walk, const struct scatter_setting *setting, st
         return false;
     }
     if (measured->walks > 0.0) {
-        walk->share =
-            measured->usual_walks / (pow(scatter_grid_cells[setting->grid_rung], 3.0) * exp2(setting->path_rung));
+        walk->share = measured->usual_walks /
+                      (pow(scatter_grid_cells[setting->grid_rung], 3.0) * scatter_paths_of(setting->path_rung));
         walk->length = measured->usual_walks / measured->walks;
     }
     return true;
@@ -91,7 +98,7 @@ static bool is_affordable(const struct walk *walk, const struct scatter_setting 
 
 static void keep(struct walk *walk, const struct scatter_setting *setting, double square)
 {
-    double paths = nodes_of(walk, setting) * exp2(setting->path_rung), target = walk->search->target;
+    double paths = nodes_of(walk, setting) * scatter_paths_of(setting->path_rung), target = walk->search->target;
     bool is_within = square <= target * target;
 
     if (walk->finding.is_found ? !is_within || paths >= walk->finding.paths : !is_within && square >= walk->least)
@@ -104,7 +111,7 @@ static void keep(struct walk *walk, const struct scatter_setting *setting, doubl
 // By how many rungs paths leave no more than `allowed` of the noise.
 static int find_rungs(double noise, double allowed, int path_rung)
 {
-    int by = noise > 0.0 ? (int)ceil(log2(noise / allowed)) : -path_rung;
+    int by = noise > 0.0 ? (int)ceil(2.0 * log2(noise / allowed)) : -path_rung;
 
     if (path_rung + by < 0) return -path_rung;
     return path_rung + by < SCATTER_PATH_RUNGS ? by : SCATTER_PATH_RUNGS - 1 - path_rung;
@@ -140,9 +147,11 @@ static void note_grid(struct walk *walk, const struct scatter_setting *setting, 
                       double cells)
 {
     double wanted = walk->search->target * walk->search->target;
+    double noise = measured->noise * scatter_paths_of(setting->path_rung) * scatter_grid_cells[setting->grid_rung];
 
-    walk->noise =
-        fmax(walk->noise, measured->noise * exp2(setting->path_rung) * scatter_grid_cells[setting->grid_rung]);
+    walk->noise = fmax(walk->noise, noise);
+    walk->noise_sum += noise;
+    walk->noise_count++;
     if (cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = setting->grid_rung;
     walk->coarse_cells = cells;
@@ -159,7 +168,8 @@ static void guess_grid(struct walk *walk, int rung)
 
         if (cells > CELLS_SHARE * wanted) continue;
         paths = find_rungs(noise, wanted - cells, 0);
-        keep(walk, &(struct scatter_setting){.grid_rung = rung, .path_rung = paths}, cells + noise * exp2(-paths));
+        keep(walk, &(struct scatter_setting){.grid_rung = rung, .path_rung = paths},
+             cells + noise * exp2(-0.5 * paths));
         return;
     }
 }
@@ -193,22 +203,33 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
     return true;
 }
 
+// Few nodes may have little noise by luck: what all grids tell counts as much as the one that is measured.
+static double find_noise(const struct walk *walk, const struct scatter_setting *setting,
+                         const struct scatter_measured *measured)
+{
+    double count = (double)scatter_paths_of(setting->path_rung) * scatter_grid_cells[setting->grid_rung];
+
+    if (setting->is_from_lights || walk->noise_count == 0) return measured->noise;
+    return fmax(measured->noise, 0.5 * (measured->noise + walk->noise_sum / walk->noise_count / count));
+}
+
 // Tries one grid, which is kept where it is the cheapest.
 static bool try_grid(struct walk *walk, struct scatter_setting setting, struct scatter_measured *measured)
 {
-    double wanted = walk->search->target * walk->search->target, cells;
+    double wanted = walk->search->target * walk->search->target, cells, noise;
 
     if (!measure_grid(walk, &setting, measured)) return false;
     if (isinf(measured->noise)) return true;
     cells = setting.is_from_lights ? sure_cells(walk, measured) : find_cells(walk, setting.grid_rung, measured);
     if (!setting.is_from_lights) note_grid(walk, &setting, measured, cells);
+    noise = find_noise(walk, &setting, measured);
     if (cells <= CELLS_SHARE * wanted) {
-        int by = find_rungs(measured->noise, wanted - cells, setting.path_rung);
+        int by = find_rungs(noise, wanted - cells, setting.path_rung);
 
         setting.path_rung += by;
-        keep(walk, &setting, cells + measured->noise * exp2(-by));
+        keep(walk, &setting, cells + noise * exp2(-0.5 * by));
     } else {
-        keep(walk, &setting, cells + measured->noise);
+        keep(walk, &setting, cells + noise);
     }
     return true;
 }
@@ -226,7 +247,7 @@ static bool try_pixels(struct walk *walk)
     if (!measure(walk, &setting, &coarse)) return false;
     if (isinf(coarse.noise)) return true;
     noise = coarse.noise;
-    setting.path_rung += 2;
+    setting.path_rung += FOURFOLD;
     if (is_affordable(walk, &setting)) {
         if (!measure(walk, &setting, &fine)) return false;
         if (isfinite(fine.noise)) noise = fmax((0.25 * coarse.noise + 4.0 * fine.noise) / 1.25, LEAST * coarse.noise);
@@ -234,7 +255,7 @@ static bool try_pixels(struct walk *walk)
     setting.path_rung = PIXEL_PATHS_FIRST;
     by = find_rungs(noise, wanted, setting.path_rung);
     setting.path_rung += by;
-    keep(walk, &setting, noise * exp2(-by));
+    keep(walk, &setting, noise * exp2(-0.5 * by));
     return true;
 }
 
@@ -310,7 +331,7 @@ static bool try_lights(struct walk *walk)
 
     if (!walk->search->may_choose || setting.grid_rung < 0 || walk->finding.paths < CHOICE_LEAST) return true;
     setting.is_from_lights = true;
-    setting.path_rung = (int)floor(log2(0.125 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
+    setting.path_rung = (int)floor(2.0 * log2(0.125 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
     if (setting.path_rung < 0) return true;
     walk->is_dear = true;
     return try_grid(walk, setting, &measured);

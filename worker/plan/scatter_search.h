@@ -6,7 +6,7 @@
 
 enum {
     SCATTER_GRID_RUNGS = 13,
-    SCATTER_PATH_RUNGS = 21, // 2^rung paths: 1 to JOB_PATH_LIMIT
+    SCATTER_PATH_RUNGS = 41, // 1 to JOB_PATH_LIMIT paths
     SCATTER_PIXELS = -1      // in place of a grid: paths of each pixel
 };
 
@@ -17,6 +17,9 @@ static const double SCATTER_PARTICLE = 2.5;
 extern const int scatter_grid_cells[SCATTER_GRID_RUNGS];
 // How often a walk of usual length looks at media.
 static const double SCATTER_USUAL_STEPS = 64.0;
+
+// 2^(rung / 2), rounded.
+int scatter_paths_of(int path_rung);
 
 struct scatter_setting {
     int grid_rung; // or SCATTER_PIXELS

@@ -44,8 +44,11 @@ static void write_main_from_lights(FILE *out, const struct scatter_grid *grid, c
             grid->job->scene.orders);
 }
 
+enum { STRANDS = 64 }; // of groups of nodes, laid beside each other
+
 static void write_main(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
 {
+    enum { SIDE = SCENE_CACHE_GROUP_SIDE };
     // A light's order counts up to `most`; a float holds it exactly.
     int orders = grid->job->scene.orders;
 
@@ -54,7 +57,8 @@ static void write_main(FILE *out, const struct scatter_grid *grid, const struct 
     fprintf(out,
             "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
             "    ivec3 size = imageSize(cache_image);\n"
-            "    int index = at.x + at.y * %d;\n"
+            "    int group = at.y / %d, apart = cache_invocations.y / %d;\n"
+            "    int row = (group %% %d * apart + group / %d) * %d + at.y %% %d, index = at.x + row * %d;\n"
             "    if (index >= size.x * size.y * size.z) return;\n"
             "    ivec3 texel = ivec3(index %% size.x, index / size.x %% size.y, index / (size.x * size.y));\n"
             "    ivec3 nodes = size / ivec3(SCATTER_GRID_LANES, 1, %zu);\n"
@@ -63,7 +67,7 @@ static void write_main(FILE *out, const struct scatter_grid *grid, const struct 
             "    scatter_grid_fill(texel, texel.x %% SCATTER_GRID_LANES, uint(index / SCATTER_GRID_LANES), "
             "scatter_grid_low + share * scatter_grid_size, texelFetch(scatter_seen, node, 0).r, texel.z / nodes.z, "
             "%d);\n}\n",
-            SCENE_CACHE_GROUP_SIDE, grid->group_count, orders);
+            SIDE, SIDE * STRANDS, STRANDS, STRANDS, SIDE, SIDE, SIDE, grid->group_count, orders);
 }
 
 static void add_lights(struct shader_assembly *text, const struct scatter_grid_program *program)
@@ -181,15 +185,16 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
                                 .invocations = {grid->nodes[0], grid->nodes[1], layers}};
 }
 
-// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips.
+// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips. Drivers give each processor a
+// run of groups: beside each other are groups of nodes that are far apart, so that all have as much to do.
 static void lay_walks(struct scene_cache *cache, const struct scatter_grid *grid)
 {
-    int lanes;
+    int strand = STRANDS * SCENE_CACHE_GROUP_SIDE * SCENE_CACHE_GROUP_SIDE, lanes; // of a group of each strand
 
     cache->size[0] *= scatter_grid_lane_count(grid);
     lanes = cache->size[0] * cache->size[1] * cache->size[2];
     cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
-    cache->invocations[1] = (lanes + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    cache->invocations[1] = STRANDS * SCENE_CACHE_GROUP_SIDE * ((lanes + strand - 1) / strand);
     cache->invocations[2] = 1;
     cache->reads_sums = cache->counts_walks = true;
     cache->sum_count = SCATTER_SEEN_SUMS;

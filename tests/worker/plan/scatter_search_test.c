@@ -44,16 +44,16 @@ static double square_of(const struct terrain *terrain, int grid_rung, int path_r
 {
     double cells;
 
-    if (grid_rung == SCATTER_PIXELS) return terrain->pixel_noise * exp2(-path_rung);
+    if (grid_rung == SCATTER_PIXELS) return terrain->pixel_noise * exp2(-0.5 * path_rung);
     cells = terrain->cells / pow(scatter_grid_cells[grid_rung], 2.0);
-    return cells * cells + terrain->noise * exp2(-path_rung) / scatter_grid_cells[grid_rung];
+    return cells * cells + terrain->noise * exp2(-0.5 * path_rung) / scatter_grid_cells[grid_rung];
 }
 
 static bool measure(void *user, const struct scatter_setting *setting, struct scatter_measured *measured)
 {
     struct terrain *terrain = user;
     int grid_rung = setting->grid_rung, path_rung = setting->path_rung;
-    double cells = square_of(terrain, grid_rung, 60), noise = square_of(terrain, grid_rung, path_rung) - cells;
+    double cells = square_of(terrain, grid_rung, 120), noise = square_of(terrain, grid_rung, path_rung) - cells;
 
     if (setting->is_from_lights) {
         noise *= terrain->lights_noise;
@@ -63,13 +63,13 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
         terrain->most_of_few = path_rung;
     if (grid_rung > terrain->finest) terrain->finest = grid_rung;
     terrain->traced +=
-        2.0 * (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
+        2.0 * (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(0.5 * path_rung);
     if (terrain->luck > 0) noise *= draw_luck(terrain);
     *measured = (struct scatter_measured){.cells = cells + (terrain->measured % 2 ? -1 : 1) * terrain->chance,
                                           .chance = terrain->is_chance_known ? fabs(terrain->chance) : 0.0,
                                           .noise = noise};
     if (terrain->seen > 0.0 && grid_rung >= 0 && !setting->is_from_lights) {
-        measured->walks = terrain->seen * pow(scatter_grid_cells[grid_rung], 3.0) * exp2(path_rung);
+        measured->walks = terrain->seen * pow(scatter_grid_cells[grid_rung], 3.0) * exp2(0.5 * path_rung);
         measured->usual_walks = terrain->length * measured->walks;
     }
     return ++terrain->measured != terrain->stop_after;
@@ -94,7 +94,7 @@ static struct scatter_finding search(struct terrain *terrain, double target, boo
 
 static double cost_of(int grid_rung, int path_rung)
 {
-    return (grid_rung == SCATTER_PIXELS ? PIXELS : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(path_rung);
+    return (grid_rung == SCATTER_PIXELS ? PIXELS : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(0.5 * path_rung);
 }
 
 static double find_least_cost(const struct terrain *terrain, double target)
@@ -163,7 +163,7 @@ static void the_lights_fill_a_grid_where_that_costs_less(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         struct terrain terrain = {.cells = 1.0, .noise = 40.0, .pixel_noise = 1e4, .lights_noise = rows[i].noise};
         struct scatter_finding found = search(&terrain, 0.01, true);
-        double cells = square_of(&terrain, found.setting.grid_rung, 60);
+        double cells = square_of(&terrain, found.setting.grid_rung, 120);
         double noise = square_of(&terrain, found.setting.grid_rung, found.setting.path_rung) - cells;
 
         assert_int_equal(found.setting.is_from_lights, rows[i].is_chosen);
@@ -194,7 +194,7 @@ static void hidden_nodes_are_not_paid_for(void **state)
     found = search_within(&hidden, 0.01, true, 6e6);
     assert_true(found.is_found && found.paths < 0.2 * dear.paths);
     assert_true(fabs(found.paths - 0.05 * cost_of(found.setting.grid_rung, found.setting.path_rung)) <
-                1e-6 * found.paths);
+                1e-2 * found.paths);
     (void)state;
 }
 
@@ -235,7 +235,7 @@ static void light_that_no_grid_holds_gets_paths_of_pixels(void **state)
 
     smooth.cells = 1.0;
     assert_true(found.is_found && found.setting.grid_rung == SCATTER_PIXELS);
-    assert_int_equal(found.setting.path_rung, (int)ceil(log2(1.3 / 1e-4)));
+    assert_int_equal(found.setting.path_rung, (int)ceil(2.0 * log2(1.3 / 1e-4)));
     assert_true(search(&smooth, 0.01, true).setting.grid_rung >= 0);
     assert_int_equal(search(&smooth, 0.01, false).setting.grid_rung, SCATTER_PIXELS);
 }
@@ -290,7 +290,7 @@ static void paths_are_not_spent_on_cells_that_are_too_large(void **state)
     struct scatter_finding found = search_within(&terrain, 0.03, true, 6e7);
 
     assert_true(found.is_found && scatter_grid_cells[found.setting.grid_rung] >= 64);
-    assert_true(terrain.most_of_few <= 8);
+    assert_true(terrain.most_of_few <= 16);
     assert_true(square_of(&terrain, found.setting.grid_rung, found.setting.path_rung) <= 1.001 * 0.03 * 0.03);
     (void)state;
 }
@@ -302,7 +302,7 @@ static void a_search_costs_what_a_frame_allows(void **state)
 
     cheap.pixel_noise = 0.01;
     assert_true(search_within(&dear, 0.03, true, 1e6).setting.grid_rung >= 0);
-    assert_true(dear.traced < 0.3 * cost_of(SCATTER_PIXELS, (int)ceil(log2(400.0 / 0.03 / 0.03))));
+    assert_true(dear.traced < 0.3 * cost_of(SCATTER_PIXELS, (int)ceil(2.0 * log2(400.0 / 0.03 / 0.03))));
     assert_int_equal(search_within(&cheap, 0.03, true, 1e6).setting.grid_rung, SCATTER_PIXELS);
     assert_true(cheap.traced <= 1e6);
     (void)state;
