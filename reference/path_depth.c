@@ -85,8 +85,8 @@ static double march(const struct path_depth *depth, const double *extinctions, s
     double step = fmin(fmin(depth->side[0], depth->side[1]), depth->side[2]) / STEPS, sum = 0.0;
     int cell;
 
-    for (double at = 0.5 * step; at < arrival->distance; at += step) {
-        cell = find_cell(depth, vec3_subtract(position, vec3_scale(arrival->travel, at)));
+    for (int i = 0; (i + 0.5) * step < arrival->distance; i++) {
+        cell = find_cell(depth, vec3_subtract(position, vec3_scale(arrival->travel, (i + 0.5) * step)));
         if (cell < 0) break;
         sum += extinctions[cell] * step;
     }

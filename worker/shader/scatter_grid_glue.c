@@ -185,8 +185,8 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
                                 .invocations = {grid->nodes[0], grid->nodes[1], layers}};
 }
 
-// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips. Drivers give each processor a
-// run of groups: beside each other are groups of nodes that are far apart, so that all have as much to do.
+// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips. Drivers give each processor
+// a run of groups: beside each other are groups of nodes that are far apart, so that all have as much to do.
 static void lay_walks(struct scene_cache *cache, const struct scatter_grid *grid)
 {
     int strand = STRANDS * SCENE_CACHE_GROUP_SIDE * SCENE_CACHE_GROUP_SIDE, lanes; // of a group of each strand
