@@ -16,7 +16,6 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +41,8 @@ struct telling {
     int64_t foretold_ms;          // when that was known
 };
 
+static const double SHORT_S = 0.1; // no shorter time is foretold
+
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
 
 // Milliseconds of a frame, without plans. Once there are two frames, the first does not count: the worker started and
@@ -55,13 +56,13 @@ static double find_frame_ms(const struct telling *telling)
            (double)(rendered - 1);
 }
 
-// By the plan, before a frame is done; negative: unknown.
+// By the plan, before a frame is done; negative: unknown, as it is when audits take longer than what was foretold.
 static double find_foretold_s(const struct telling *telling, int64_t left)
 {
     double passed_s = (double)(progress_now_ms() - telling->foretold_ms) / 1000;
 
-    if (!(telling->foretold_s > 0)) return -1;
-    return fmax(telling->foretold_s * (double)left - passed_s, 0);
+    if (!(telling->foretold_s * (double)left > passed_s)) return -1;
+    return telling->foretold_s * (double)left - passed_s;
 }
 
 // Frames as they went so far, and the plans of the segments that are not begun; negative: unknown.
@@ -79,10 +80,9 @@ static double find_eta_s(const struct telling *telling, int64_t total, int64_t l
 
 static void draw(struct telling *telling, bool is_final)
 {
-    double elapsed_s = (double)(progress_now_ms() - telling->began_ms) / 1000;
     int64_t total = frame_range_count(&telling->job->frames), rendered = telling->counts[RENDER_SUCCEEDED];
     int64_t left = total - rendered - telling->counts[RENDER_SKIPPED] - telling->counts[RENDER_FAILED];
-    double seconds = rendered > 0 ? elapsed_s / (double)rendered : -1;
+    double seconds = rendered > 0 ? find_frame_ms(telling) / 1000 : -1;
     const struct progress progress = {.label = telling->job->name,
                                       .total = total,
                                       .done = rendered + telling->counts[RENDER_SKIPPED],
@@ -117,7 +117,10 @@ static void foretell(struct telling *telling, double plan_s, double render_s)
     telling->foretold_s = render_s;
     telling->foretold_ms = progress_now_ms();
     progress_display_clear(&telling->display);
-    fprintf(stderr, "planned in %s: a frame's rendering takes about %s here\n", planned, frame);
+    if (render_s < SHORT_S)
+        fprintf(stderr, "planned in %s: a frame's rendering takes less than %g s here\n", planned, SHORT_S);
+    else
+        fprintf(stderr, "planned in %s: a frame's rendering takes about %s here\n", planned, frame);
     free(planned);
     free(frame);
 }
