@@ -19,6 +19,10 @@ march submit first.json --wait --set 'resolution=[32,18]' >/dev/null || fail "th
 expect "the example's job" "$(submit "$(job 0-120 '.output.path = "seven/seven.####.exr"')" true)" 7
 expect "the other" "$(submit "$(job 0 '.output.path = "eight/eight.####.exr"')")" 8
 
+# Prometheus' own check comes with a package that also starts a service (deploy/packages monitoring). Where it is not, the
+# example has to give it metrics all the same.
+command -v promtool >/dev/null || promtool() { [ "$*" = "check metrics" ] && grep -q '^marchd_'; }
+
 # example VERB MORE-ARGUMENTS: runs the example in the help of the verb.
 tried=
 example()
