@@ -26,7 +26,7 @@ exec 3<&0
 exec "$bin/march-worker" --node --worker "$(stub write:20)" < <(exec python3 "$scratch/reader" <&3)
 END
 chmod +x "$scratch/launch"
-start_daemon --workers none --pool "far launcher=command nodes=anna=24 heartbeat=20 command=$scratch/launch"
+start_daemon --workers none --pool "far launcher=command nodes=anna=24 heartbeat=4 command=$scratch/launch"
 wait_until "all workers are idle" are_idle 24
 
 # A large job for each of many workers is no fault of their node, which reads as fast as it can.
