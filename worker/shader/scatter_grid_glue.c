@@ -2,7 +2,6 @@
 #include "worker/shader/scatter_grid_glue.h"
 
 #include "core/job/job.h"
-#include "worker/density/density_modules.h"
 #include "worker/glsl/scene_cache.h"
 #include "worker/glsl/texture_units.h"
 #include "worker/model/light_grid.h"
@@ -10,7 +9,6 @@
 #include "worker/model/scatter_grid.h"
 #include "worker/model/scene_model.h"
 #include "worker/model/scene_values.h"
-#include "worker/scene/scene_inputs.h"
 #include "worker/shader/integrators.h"
 #include "worker/shader/light_grid_glue.h"
 #include "worker/shader/scatter_media_glue.h"
@@ -18,7 +16,6 @@
 #include "worker/shader/scatter_send_glue.h"
 #include "worker/shader/scatter_walk_glue.h"
 #include "worker/shader/scene_glue.h"
-#include "worker/shader/scene_glue_media.h"
 #include "worker/shader/scene_glue_tracking.h"
 #include "worker/shader/scene_modules.h"
 
