@@ -27,15 +27,16 @@ expect "the first daemon's pid" "$(ask daemon.status | jq .result.pid)" "$daemon
 kill_daemon
 [ -S "$socket" ] || fail "the socket of a killed daemon should be there"
 # A worker that the killed daemon was starting has its lock until it is a program of its own.
-flock "$scratch/state/lock" sh -c 'touch "$1/held" && until [ -e "$1/released" ]; do sleep 0.1; done' sh "$scratch" &
+flock "$scratch/state/lock" sh -c 'touch "$1/held" && while [ -e "$1/held" ] && [ ! -e "$1/released" ]; do sleep 0.1; done' sh "$scratch" &
 wait_until "the lock is taken" [ -e "$scratch/held" ]
 # SIGHUP does not end a start that waits.
 hang_up()
 {
-    local line
+    local line words
 
-    for line in /proc/[0-9]*/cmdline; do
-        tr '\0' ' ' <"$line" 2>/dev/null | grep -q "marchd --state $scratch/state" || continue
+    for line in /proc/[0-9]*/cmdline; do # no program is started for any: a start waits for seconds only
+        { mapfile -d '' -t words <"$line"; } 2>/dev/null
+        [[ "${words[*]}" == *"marchd --state $scratch/state"* ]] || continue
         kill -HUP "$(basename "${line%/cmdline}")"
         touch "$scratch/hung"
     done
