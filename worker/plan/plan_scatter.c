@@ -342,7 +342,10 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
     scatter->plan = &first;
     plan_scene_init(&scene, job);
     has_grid = plan->family < plan_family_count && plan_family_serves(&plan_families[plan->family], &scene);
-    if (has_grid && !refine_march(scatter, plan)) has_grid = false;
+    if (has_grid && !refine_march(scatter, plan)) {
+        log_info("plan: no grid of scattered light: %s", scatter->error.message);
+        has_grid = false;
+    }
     first = *plan;
     if (find_paths_family(scatter, &scene) && find_worst(scatter, has_grid))
         finding = scatter_search_run(

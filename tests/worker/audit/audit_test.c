@@ -305,6 +305,25 @@ static void the_most_pixels_end_an_audit(void **state)
     finish_shot(&shot);
 }
 
+// Pixels that are interpolated may leave it open whether the whole frame is within, however exact those that are traced.
+static void interpolation_leaves_it_open(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+
+    take_shot(&shot, 32);
+    params = params_of(&shot);
+    params.interpolation = (struct audit_verdict){.error = 0.001, .spread = 0.0001};
+    assert_true(audit_frame(&params, &result));
+    assert_int_equal(result.ray_count, AUDIT_RAYS_MIN);
+    params.interpolation = (struct audit_verdict){.error = 0.0099, .spread = 0.002};
+    assert_true(audit_frame(&params, &result));
+    assert_true(result.ray_count > AUDIT_RAYS_MIN);
+    finish_shot(&shot);
+    (void)state;
+}
+
 static bool count_shares(void *calls, double done)
 {
     double measured = ++*(int *)calls;
@@ -453,6 +472,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(noise_of_the_reference_counts_nothing),
         cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
         cmocka_unit_test(the_most_pixels_end_an_audit),
+        cmocka_unit_test(interpolation_leaves_it_open),
         cmocka_unit_test(an_audit_tells_how_much_it_has_measured),
         cmocka_unit_test(an_audit_can_be_stopped),
         cmocka_unit_test(few_pixels_are_enough_with_a_pool),
