@@ -6,12 +6,11 @@
 // prints the distances, in metres, between which camera rays meet media. With --first, the picture of the first job
 // takes the place of reference/. --runs says how many frames are timed after the first one (5). Lines have wall and CPU
 // seconds, the relative RMSE, the share of pixels traced, and the job.
+#include "bench/job_file.h"
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
-#include "core/job/job_json.h"
 #include "reference/reference.h"
 #include "worker/audit/truth.h"
 #include "worker/gl/gl_context.h"
@@ -25,7 +24,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { RUNS_DEFAULT = 5, JOB_BYTES = 1 << 20 };
+enum { RUNS_DEFAULT = 5 };
 
 struct ladder {
     struct renderer *renderer;
@@ -36,16 +35,6 @@ struct ladder {
     bool is_once;
     bool is_first_true;
 };
-
-static bool load_job(struct job *job, const char *path, struct error *error)
-{
-    size_t length;
-    char *text = NULL;
-    bool ok = file_read_text(path, JOB_BYTES, &text, &length, error) && job_parse(job, text, length, NULL, error);
-
-    free(text);
-    return ok;
-}
 
 static struct pixel *list_points(const struct job *job, int stride, size_t *count)
 {
@@ -146,7 +135,7 @@ static bool print_job(struct ladder *ladder, const char *path, struct error *err
     double *light = NULL, best[3];
     float *seen = NULL;
     size_t count;
-    bool ok = load_job(&job, path, error) && image_init(&image, job.width_px, job.height_px, false, false, error);
+    bool ok = job_file_load(&job, path, error) && image_init(&image, job.width_px, job.height_px, false, false, error);
 
     if (!ok) goto out;
     points = list_points(&job, ladder->stride, &count);
@@ -181,7 +170,7 @@ static bool print_reach(const char *path, int32_t frame, struct error *error)
 {
     struct job job = {0};
     struct scene_inputs inputs = {0};
-    bool ok = load_job(&job, path, error) && scene_inputs_open(&inputs, &job, frame, NULL, NULL, error);
+    bool ok = job_file_load(&job, path, error) && scene_inputs_open(&inputs, &job, frame, NULL, NULL, error);
 
     if (ok) {
         struct scene_extent extent = scene_extent_find(&job, &inputs, frame);

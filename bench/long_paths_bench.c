@@ -5,9 +5,9 @@
 // microseconds a path; the standard deviation of a path, relative to the RMS of the light; the kurtosis of paths over
 // their pixels' means; the largest share that one path has in the sum of its pixel; milliseconds a pixel to 1 % of the
 // RMS; and the shares of pixels brighter than the RMS, of those above a fifth of it and of the others in that time.
+#include "bench/job_file.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "reference/paths.h"
@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIXELS = 64, PATHS = 16, WIDTH_PX = 64, HEIGHT_PX = 36, CLASSES = 3, JOB_BYTES = 1 << 20 };
+enum { PIXELS = 64, PATHS = 16, WIDTH_PX = 64, HEIGHT_PX = 36, CLASSES = 3 };
 
 #define FAR_LAMP "{ \"kind\": \"point\", \"intensity\": 2, \"falloff\": \"none\", \"position\": [2, 1.5, 2] }"
 #define LAMP_INSIDE "{ \"kind\": \"point\", \"intensity\": 2, \"position\": [0.3, 0, 0.1] }"
@@ -49,16 +49,6 @@ struct pixel_sums {
     double light, squares, fourths, largest; // of the paths' mean colours; about 0
     double seconds, looks;
 };
-
-static bool read(struct job *job, const char *path, struct error *error)
-{
-    size_t length;
-    char *text;
-    bool ok = file_read_text(path, JOB_BYTES, &text, &length, error) && job_parse(job, text, length, NULL, error);
-
-    free(text);
-    return ok;
-}
 
 static bool parse(struct job *job, const struct setup *setup, struct error *error)
 {
@@ -163,7 +153,7 @@ static bool bench_setup(const struct setup *setup, double limit_s, struct error 
     struct truth_files files = {0};
     struct still still;
     struct job job = {0};
-    bool ok = setup->density ? parse(&job, setup, error) : read(&job, "cumulus.json", error);
+    bool ok = setup->density ? parse(&job, setup, error) : job_file_load(&job, "cumulus.json", error);
 
     if (ok && truth_files_load(&files, &job, 0, error)) {
         still_init_with_inputs(&still, &job, 0.5, &files.inputs);

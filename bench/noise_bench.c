@@ -5,11 +5,10 @@
 // it is missing. What both pictures of a job differ by from both of them, multiplied crosswise, is error without the
 // noise of either. Lines have processor seconds of the second picture, which links and reads nothing, the noise of one
 // picture and that error, both over the light's RMS, the mean light, and the job.
+#include "bench/job_file.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
-#include "core/job/job_json.h"
 #include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
@@ -20,22 +19,10 @@
 #include <string.h>
 #include <time.h>
 
-enum { JOB_BYTES = 1 << 20 };
-
 struct pair {
     struct image images[2];
     double processor_s; // of the second
 };
-
-static bool load_job(struct job *job, const char *path, struct error *error)
-{
-    size_t length;
-    char *text = NULL;
-    bool ok = file_read_text(path, JOB_BYTES, &text, &length, error) && job_parse(job, text, length, NULL, error);
-
-    free(text);
-    return ok;
-}
 
 static void finish_pair(struct pair *pair)
 {
@@ -109,7 +96,7 @@ static bool print_job(struct renderer *renderer, const char *path, int32_t frame
 {
     struct pair pair = {0}, truth = {0};
     struct job job = {0};
-    bool ok = load_job(&job, path, error) && render_pair(&pair, renderer, &job, frame, error);
+    bool ok = job_file_load(&job, path, error) && render_pair(&pair, renderer, &job, frame, error);
 
     if (ok && truth_path && !exchange_pair(&truth, &job, truth_path, false, NULL)) {
         ok = exchange_pair(&pair, &job, truth_path, true, error);

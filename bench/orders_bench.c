@@ -3,11 +3,10 @@
 // It runs in the folder to which the jobs' files are relative.
 // Over pixels spread evenly over the middle frame: the mean light of up to 2, 5 and all orders over that of the first;
 // the noise of one path, which is what 256 paths have times 16; paths a second of processor time.
+#include "bench/job_file.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
-#include "core/job/job_json.h"
 #include "reference/paths.h"
 #include "worker/audit/truth_files.h"
 #include "worker/scene/pixel_samples.h"
@@ -16,7 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { PIXELS = 400, PATHS = 256, JOB_BYTES = 1 << 20 };
+enum { PIXELS = 400, PATHS = 256 };
 
 static const int ORDERS[] = {1, 2, 5, SCENE_ORDERS_ALL};
 
@@ -74,13 +73,10 @@ static bool bench_job(const char *path, struct error *error)
     struct truth_files files = {0};
     struct still still;
     struct job job = {0};
-    size_t length;
-    char *text = NULL;
     bool ok = false;
     int32_t frame;
 
-    if (!file_read_text(path, JOB_BYTES, &text, &length, error) || !job_parse(&job, text, length, NULL, error))
-        goto out;
+    if (!job_file_load(&job, path, error)) goto out;
     frame = (int32_t)frame_range_at(&job.frames, frame_range_count(&job.frames) / 2);
     if (!truth_files_load(&files, &job, frame, error)) goto out;
     still_init_with_inputs(&still, &job, pixel_samples_time(&job, frame, 0), &files.inputs);
@@ -88,7 +84,6 @@ static bool bench_job(const char *path, struct error *error)
 out:
     truth_files_finish(&files);
     job_finish(&job);
-    free(text);
     return ok;
 }
 

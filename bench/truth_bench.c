@@ -3,12 +3,11 @@
 // Prints CPU milliseconds a pixel of one sample, and the actual relative error, at each accuracy that is asked for:
 // over pixels spread evenly over the middle frame, against the light at an accuracy of 1e-5. As in audits, a pixel
 // darker than a tenth of the frame's RMS counts as that bright.
+#include "bench/job_file.h"
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
-#include "core/job/job_json.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
 
@@ -16,7 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { PIXELS = 100, JOB_BYTES = 1 << 20 };
+enum { PIXELS = 100 };
 
 static const double ASKED[] = {1e-4, 1e-3, 1e-2, 1e-1};
 
@@ -76,11 +75,8 @@ static bool bench_job(const char *path, struct error *error)
 {
     struct truth *truth = NULL;
     struct job job = {0};
-    size_t length;
-    char *text = NULL;
 
-    if (!file_read_text(path, JOB_BYTES, &text, &length, error) || !job_parse(&job, text, length, NULL, error))
-        goto out;
+    if (!job_file_load(&job, path, error)) goto out;
     job.quality.samples = 1;
     truth = truth_open(
         &(struct truth_params){.job = &job,
@@ -90,7 +86,6 @@ static bool bench_job(const char *path, struct error *error)
 out:
     truth_close(truth);
     job_finish(&job);
-    free(text);
     return truth != NULL;
 }
 

@@ -145,7 +145,7 @@ void scatter_grid_fill(ivec3 texel, int lane, uint index, vec3 node, float seen,
             ++walks;
         }
     }
-    atomicAdd(cache_sums[2], uint(walk.iterations + 8) / 16u);
+    atomicAdd(cache_sums[2], uint(walk.iterations + CACHE_STEPS / 2) / uint(CACHE_STEPS));
     if (goes) {
         imageStore(cache_image, texel, vec4(0.0, 0.0, 0.0, -1.0));
         return;

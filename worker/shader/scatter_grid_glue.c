@@ -122,6 +122,7 @@ static void add_walks(struct shader_assembly *text, const struct scatter_grid_pr
     scatter_walk_glue_write(&walks);
     fprintf(text->out, "layout(binding = %d) uniform sampler3D scatter_seen;\n", TEXTURE_UNIT_SCATTER_SEEN);
     write_lanes(text->out, program->grid);
+    fprintf(text->out, "const int CACHE_STEPS = %d; // that count as one\n", SCENE_CACHE_STEPS);
     shader_assembly_add(text, "scatter_grid/walk.glsl");
     shader_assembly_generate(text);
     write_main(text->out, program->grid, cache);

@@ -305,7 +305,7 @@ static void the_most_pixels_end_an_audit(void **state)
     finish_shot(&shot);
 }
 
-// Pixels that are interpolated may leave it open whether the whole frame is within, however exact those that are traced.
+// Interpolated pixels may leave it open whether the whole frame is within, however exact those are that are traced.
 static void interpolation_leaves_it_open(void **state)
 {
     struct audit_result result;
