@@ -21,7 +21,8 @@ struct terrain {
     int measured;
     double traced;
     int finest;      // that was measured
-    int most_of_few; // the largest rung of paths of at most 16 cells
+    int few;         // cells; 0: 16
+    int most_of_few; // the largest rung of paths of at most so many cells
     bool is_chance_known;
     double lights_noise; // of particles from the lights, relative to walks; 0: there is no choice
     int lights_measured;
@@ -59,7 +60,8 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
         noise *= terrain->lights_noise;
         terrain->lights_measured++;
     }
-    if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= 16 && path_rung > terrain->most_of_few)
+    if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= (terrain->few ? terrain->few : 16) &&
+        path_rung > terrain->most_of_few)
         terrain->most_of_few = path_rung;
     if (grid_rung > terrain->finest) terrain->finest = grid_rung;
     terrain->traced +=
@@ -228,6 +230,19 @@ static void coarser_grids_tell_what_chance_hides(void **state)
     (void)state;
 }
 
+// What they foretell, with what few paths tell, is enough to leave a grid that is too coarse.
+static void coarser_grids_spare_paths(void **state)
+{
+    struct terrain terrain = {
+        .cells = 20.0, .noise = 7.0, .pixel_noise = 600.0, .chance = 2e-4, .is_chance_known = true, .few = 32};
+    struct scatter_finding found = search(&terrain, 0.014, true);
+
+    assert_true(found.is_found && scatter_grid_cells[found.setting.grid_rung] >= 45);
+    assert_true(scatter_paths_of(terrain.most_of_few) <= 512);
+    assert_true(square_of(&terrain, found.setting.grid_rung, found.setting.path_rung) <= 1.2 * 0.014 * 0.014);
+    (void)state;
+}
+
 static void light_that_no_grid_holds_gets_paths_of_pixels(void **state)
 {
     struct terrain rough = {.cells = 1e4, .noise = 5.0, .pixel_noise = 1.3}, smooth = rough;
@@ -350,6 +365,7 @@ int main(void)
         cmocka_unit_test(hidden_nodes_are_not_paid_for),
         cmocka_unit_test(long_walks_cost_what_they_take),
         cmocka_unit_test(coarser_grids_tell_what_chance_hides),
+        cmocka_unit_test(coarser_grids_spare_paths),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
         cmocka_unit_test(a_grid_too_fine_to_be_tried_is_found_by_coarser_ones),
         cmocka_unit_test(noise_that_is_large_by_chance_makes_no_cell_finer),
