@@ -1,15 +1,21 @@
-"""What web_memory_test.sh tries: march-web may keep 32 MiB, so that a user or a place has 8 and strangers have 16."""
+"""What web_memory_test.sh tries: march-web may keep 32 MiB, so that a user or a place has 8 and strangers have 16.
+
+`shares`: nobody is ended for being slow; prints the id of a job of three megabytes.
+`times`: who does not read such a job, whose id comes last, is ended after two seconds.
+"""
 # SPDX-License-Identifier: Apache-2.0
 import json
-import socket
+import select
 import sys
 import time
 
 from web_client import PATIENCE_S, Client, Closed, WebSocket, ask, bearer, call
 
 port = int(sys.argv[1])
-mine, theirs, document, log = sys.argv[2:6]
+part, mine, theirs, document, log = sys.argv[2:7]
 BODY = 4 * 1024 * 1024 - 1
+CLOSE_TIME_S = 10  # for the client to take why its page is closed
+BODY_TIME_S = 60  # for a body to come
 
 
 def begin_body(token, size=BODY):
@@ -20,18 +26,26 @@ def begin_body(token, size=BODY):
     return client
 
 
-def is_refused(client):
-    """Waits a moment for an answer: a place that is taken is not told."""
-    client.socket.settimeout(2)
-    try:
-        answer = client.answer()
-    except TimeoutError:
-        return False
+def expect_refusal(client):
+    answer = client.answer()
     assert answer.status == 503 and "too much waits" in answer.json()["error"], answer
     assert answer.headers["connection"] == "close" and answer.headers["retry-after"], answer
-    client.socket.settimeout(PATIENCE_S)
     assert client.is_closed()
-    return True
+
+
+def those_that_wait(clients, refused):
+    """The others, when so many are refused: a place that is taken is not told."""
+    waiting = list(clients)
+    while len(waiting) > len(clients) - refused:
+        ready, _, _ = select.select([client.socket for client in waiting], [], [], PATIENCE_S)
+        assert ready, f"{len(clients) - len(waiting)} are refused, expected {refused}"
+        for client in [client for client in waiting if client.socket in ready]:
+            waiting.remove(client)
+            expect_refusal(client)
+    for _ in range(2):  # what came before these has been looked at
+        ask(port, "GET", "/")
+    assert select.select([client.socket for client in waiting], [], [], 0)[0] == [], "more are refused"
+    return waiting
 
 
 def whole_body(token):
@@ -43,32 +57,41 @@ def whole_body(token):
     return answer.status == 200
 
 
-def bodies():
-    strangers = [begin_body(f"wrong{number}") for number in range(4)]
-    assert [is_refused(client) for client in strangers] == [False, False, True, True]
-    assert is_refused(begin_body(mine)), "a token that the farm has not seen yet is a stranger's"
+def bodies(is_first):
+    strangers = those_that_wait([begin_body(f"wrong{number}") for number in range(4)], 2)
+    if is_first:
+        expect_refusal(begin_body(mine))  # a token that the farm has not seen yet is a stranger's
     # Small requests are served all the same, and by them the farm knows who asks.
     assert "result" in call(port, mine, "job.list")
     assert "result" in call(port, theirs, "job.list")
     assert whole_body(mine), "strangers have not taken what users have"
-    own = [begin_body(mine) for _ in range(3)]
-    assert [is_refused(client) for client in own] == [False, False, True]
+    own = those_that_wait([begin_body(mine) for _ in range(3)], 1)
     assert not whole_body(mine)
     if theirs != mine:
         assert whole_body(theirs), "one user has not taken all"
     assert "result" in call(port, mine, "job.list")
     # What was answered is there again.
-    for client in strangers[:2] + own[:2]:
-        client.socket.settimeout(PATIENCE_S)
+    for client in strangers + own:
         client.send(b" " * (BODY - 1))
         assert client.answer().status in (200, 401)
     assert whole_body(mine)
     # A token that is not valid any more, or never was, does not become known by being tried.
     assert ask(port, "POST", "/rpc", bearer("never"), '{"jsonrpc":"2.0","id":1,"method":"job.list"}').status == 401
-    again = [begin_body("never") for _ in range(3)]
-    assert [is_refused(client) for client in again] == [False, False, True]
-    for client in again:
+    for client in those_that_wait([begin_body("never") for _ in range(3)], 1):
         client.socket.close()
+
+
+def bodies_in_time():
+    """On a slow machine they may be awaited for too long: once more."""
+    is_first = True
+    while True:
+        began = time.monotonic()
+        try:
+            return bodies(is_first)
+        except (AssertionError, EOFError, OSError):
+            if time.monotonic() - began < BODY_TIME_S - 5:
+                raise
+        is_first = False
 
 
 def ask_slowly(token, job):
@@ -89,35 +112,34 @@ def status_of(client):
 
 
 def readers(job):
-    """Who asks for much and reads little has a share, and loses the connection after some seconds."""
+    """Who asks for much and reads little has a share."""
     slow = [ask_slowly(mine, job) for _ in range(4)]
     slow.sort(key=status_of)  # the farm's answers come in any order
     assert [status_of(client) for client in slow] == [200, 200, 503, 503]
     if theirs != mine:  # they may not see the document, but have bytes of their own
         assert whole_body(theirs)
-    dripped = len(slow[0].buffer)
-    began = time.monotonic()
-    while time.monotonic() - began < PATIENCE_S:
-        try:
-            data = slow[0].socket.recv(2048)
-        except ConnectionResetError:
-            break
-        if not data:
-            break
-        dripped += len(data)
-        time.sleep(0.02)
-    assert dripped < 2_900_000, f"who drips got all of it, in {time.monotonic() - began} s"
-    slow[1].socket.settimeout(PATIENCE_S)
-    received = 0
-    while slow[1].receive():
-        received = len(slow[1].buffer)
-    assert received < 2_900_000, "who read nothing got all of it"
+    for client in slow:
+        client.socket.close()
     while True:  # the share is free again
         client = ask_slowly(mine, job)
         if status_of(client) == 200:
             assert client.answer().status == 200
             return
         client.socket.close()
+
+
+def slow_readers(job):
+    """Who reads little loses the connection after some seconds."""
+    dripped, unread = [ask_slowly(mine, job) for _ in range(2)]
+    while late_count() < 2:
+        try:
+            dripped.buffer += dripped.socket.recv(256)  # for all of it, four minutes
+        except ConnectionResetError:
+            pass
+        time.sleep(0.02)
+    for client, what in (dripped, "drips"), (unread, "reads nothing"):
+        assert client.is_closed()
+        assert len(client.buffer) < 2_900_000, f"who {what} got all of it"
 
 
 def ask_much(job, window):
@@ -149,52 +171,80 @@ def late_count():
 
 def stuck(job):
     """One page that does not read is within the user's share, but not for long."""
-    page = ask_much(job, 4096)
     before = late_count()
     began = time.monotonic()
+    page = ask_much(job, 4096)
     while late_count() == before:  # the kernel tells us only when we read
         assert time.monotonic() - began < PATIENCE_S, "a page that does not read stays"
         time.sleep(0.1)
-    assert time.monotonic() - began > 2
+    assert time.monotonic() - began > 1.5
     page.close()
+
+
+def answer_to_ping(page):
+    """10; 8 where the page was ended."""
+    try:
+        page.client.send(page.frame(9, b"here"))
+        first, second = page.client.take(2)
+        page.client.take(second & 0x7F)
+        return first & 15
+    except (EOFError, ConnectionError):
+        return 8
+
+
+def begin_message():
+    """A page whose message does not end."""
+    page = WebSocket(port, bearer(mine))
+    try:
+        page.call(1, "daemon.status")
+        page.client.send(page.frame(1, b" " * (3 * 1024 * 1024), final=False))
+    except (EOFError, ConnectionError, Closed):
+        pass
+    return page
 
 
 def sockets(job):
     """Pages that ask and do not read: the user's share ends it for those that are above it, and for no others."""
     other = WebSocket(port, bearer(theirs))
+    began = time.monotonic()
     pages = [ask_much(job, 4096) for _ in range(6)]
     ends = [end_of(page) for page in pages]
-    assert 1013 in ends and set(ends) <= {4, 1013, 0}, ends
+    assert set(ends) <= {4, 1013, 0}, ends
+    assert 1013 in ends or 0 in ends and time.monotonic() - began > CLOSE_TIME_S, ends
     if theirs != mine:
         assert "result" in other.call(1, "job.list")
     other.close()
-    # Messages that do not end.
-    pages = [WebSocket(port, bearer(mine)) for _ in range(4)]
-    for page in pages:
-        page.call(1, "daemon.status")
-    ends = []
-    for page in pages:
-        try:
-            page.client.send(page.frame(1, b" " * (3 * 1024 * 1024), final=False))
-            page.client.send(page.frame(9, b"here"))
-            page.client.socket.settimeout(2)
-            first, _ = page.client.take(2)
-            ends.append(first & 15)
-        except (EOFError, OSError):
-            ends.append(8)
-    assert ends[0] == 10 and 8 in ends, ends
-    for page in pages:
+    began = time.monotonic()
+    first = begin_message()
+    while answer_to_ping(first) != 10:  # until the pages above have been forgotten
+        assert time.monotonic() - began < PATIENCE_S, "one message is above the share"
+        first.close()
+        first = begin_message()
+    pages = [begin_message() for _ in range(3)]
+    while 8 not in [answer_to_ping(page) for page in pages]:
+        assert time.monotonic() - began < PATIENCE_S, "four messages are within the share"
+    assert answer_to_ping(first) == 10
+    for page in [first, *pages]:
         page.close()
     while not whole_body(mine):
         pass
 
 
-bodies()
-with open(document) as file:
-    text = {"document": json.load(file), "paused": True}
-submitted = call(port, mine, "job.submit", text)
-assert "result" in submitted, submitted
-JOB = submitted["result"]["id"]
-readers(JOB)
-stuck(JOB)
-sockets(JOB)
+def submit():
+    with open(document) as file:
+        text = {"document": json.load(file), "paused": True}
+    submitted = call(port, mine, "job.submit", text)
+    assert "result" in submitted, submitted
+    return submitted["result"]["id"]
+
+
+if part == "shares":
+    bodies_in_time()
+    JOB = submit()
+    readers(JOB)
+    sockets(JOB)
+    print(JOB)
+else:
+    JOB = int(sys.argv[7])
+    slow_readers(JOB)
+    stuck(JOB)

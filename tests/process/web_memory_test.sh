@@ -12,7 +12,7 @@ run_for_others
 start_daemon
 chmod 666 "$socket"
 cp "$PROGRAM_FOLDER/march-web" "$scratch/bin"
-start_web --buffer-bytes 32M --send-time 4
+start_web --buffer-bytes 32M
 mine=$(token submit)
 theirs=$mine
 if [ "$(id -u)" = 0 ]; then
@@ -21,6 +21,9 @@ fi
 long=$(job 1 '.lights = [range(6) | {"kind": "point", "intensity": 1, "position": {"keys":
     [range(9000) | [., [1.012345678901, 2.012345678901, 4.012345678901]]]}}]')
 echo "$long" >"$scratch/long.json"
-web_python web_memory.py "$mine" "$theirs" "$scratch/long.json" "$scratch/web.log"
+id=$(web_python web_memory.py shares "$mine" "$theirs" "$scratch/long.json" "$scratch/web.log") || exit 1
+stop_web
+start_web --buffer-bytes 32M --send-time 2
+web_python web_memory.py times "$mine" "$theirs" "$scratch/long.json" "$scratch/web.log" "$id"
 stop_web
 stop_daemon
