@@ -125,9 +125,16 @@ static void expect_frame_and_end(struct test_worker *child)
     assert_int_equal(test_worker_finish(child), 0);
 }
 
+// A file that was written two seconds ago or earlier is complete: no frame of the job can be rendered.
 static void expect_denial_and_end(struct test_worker *child)
 {
-    test_worker_expect_failure(child, 1, "frame", "Permission denied");
+    struct message message = test_worker_expect(child, "frame.failed");
+    const char *fault = test_worker_text_of(&message, "fault"), *reason = test_worker_text_of(&message, "error");
+
+    assert_int_equal(test_worker_integer_of(&message, "frame"), 1);
+    if (strcmp(fault, "frame") != 0) assert_string_equal(fault, "job");
+    if (!strstr(reason, "Permission denied")) fail_msg("expected a denial, got \"%s\"", reason);
+    message_finish(&message);
     test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
     assert_int_equal(test_worker_finish(child), 0);
 }
