@@ -26,12 +26,12 @@ exec 3<&0
 exec "$bin/march-worker" --node --worker "$(stub write:20)" < <(exec python3 "$scratch/reader" <&3)
 END
 chmod +x "$scratch/launch"
-start_daemon --workers none --pool "far launcher=command nodes=anna=24 heartbeat=4 command=$scratch/launch"
-wait_until "all workers are idle" are_idle 24
+start_daemon --workers none --pool "far launcher=command nodes=anna=20 heartbeat=20 command=$scratch/launch"
+wait_until "all workers are idle" are_idle 20
 
 # A large job for each of many workers is no fault of their node, which reads as fast as it can.
-large_job_line 10000 | sed 's/"frames":"1"/"frames":"1-48"/; s/"paused":true/"paused":false/' >"$scratch/line"
-[ "$(wc -c <"$scratch/line")" -gt $((3 << 20)) ] || fail "the job is small"
+large_job_line 10000 | sed 's/"frames":"1"/"frames":"1-40"/; s/"paused":true/"paused":false/' >"$scratch/line"
+[ $((20 * $(wc -c <"$scratch/line"))) -gt $((64 << 20)) ] || fail "the job is small" # what may wait for a node
 id=$("$bin/socket-client" "$socket" <"$scratch/line" | jq .result.id)
 wait_state "$id" succeeded
 expect "nodes that ended" "$(grep -c "does not read" "$scratch/daemon.log")" 0
@@ -43,7 +43,7 @@ wait_until "it is ended" grep -qF "node anna: it does not read what it is told" 
 rm "$scratch/deaf"
 [ "$(memory_kib)" -lt $((300 << 10)) ] || fail "memory: $(memory_kib) KiB"
 wait_state "$id" succeeded
-expect "frames" "$(field "$id" .succeeded)" 48
+expect "frames" "$(field "$id" .succeeded)" 40
 stop_daemon
 
 # A worker of the node says a line that is longer than any message: it is ended, its neighbour and the node are not.
