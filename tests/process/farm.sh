@@ -158,15 +158,17 @@ field()
     fi
 }
 
-# wait_until WHAT COMMAND...: until the command succeeds.
+# wait_until WHAT COMMAND...: until the command succeeds. What takes long is looked at less often: a look starts programs.
 wait_until()
 {
-    local what=$1 ends=$((SECONDS + patience_s))
+    local what=$1 ends=$((SECONDS + patience_s)) pause_cs=5 pause
 
     shift
     until "$@"; do
         [ $SECONDS -lt $ends ] || fail "not within $patience_s s: $what"
-        sleep 0.05
+        printf -v pause '0.%02d' $pause_cs
+        sleep "$pause"
+        [ $pause_cs -ge 20 ] || pause_cs=$((pause_cs + 1))
     done
 }
 
