@@ -133,19 +133,22 @@ static double expect_cells(const struct walk *walk, int grid_rung, double power)
     return ratio < 1.0 ? walk->coarse_cells * pow(ratio, power) : 0.0;
 }
 
-// What is measured and what coarser grids foretell are weighed by the inverses of their variances. `spread` becomes the
-// standard deviation of both together; INFINITY where nothing is foretold.
-static double find_cells(const struct walk *walk, int grid_rung, const struct scatter_measured *measured,
-                         double *spread)
-{
-    double foretold = expect_cells(walk, grid_rung, USUAL), trust;
+// What cells add, and its standard deviation; that is INFINITY where coarser grids foretell nothing.
+struct estimate {
+    double cells, spread;
+};
 
-    *spread = INFINITY;
-    if (foretold == 0.0) return sure_cells(walk, measured);
-    *spread = USUAL_SPREAD * foretold;
-    trust = *spread * *spread / (*spread * *spread + measured->chance * measured->chance);
-    *spread *= sqrt(1.0 - trust);
-    return fmax(foretold + trust * (measured->cells - foretold), 0.0);
+// What is measured and what coarser grids foretell are weighed by the inverses of their variances. Those had walks from
+// their nodes, and foretell nothing of particles.
+static struct estimate find_cells(const struct walk *walk, const struct scatter_setting *setting,
+                                  const struct scatter_measured *measured)
+{
+    double foretold = setting->is_from_lights ? 0.0 : expect_cells(walk, setting->grid_rung, USUAL);
+    double spread = USUAL_SPREAD * foretold, trust;
+
+    if (foretold == 0.0) return (struct estimate){sure_cells(walk, measured), INFINITY};
+    trust = spread * spread / (spread * spread + measured->chance * measured->chance);
+    return (struct estimate){fmax(foretold + trust * (measured->cells - foretold), 0.0), spread * sqrt(1.0 - trust)};
 }
 
 static void note_grid(struct walk *walk, const struct scatter_setting *setting, const struct scatter_measured *measured,
@@ -180,12 +183,13 @@ static void guess_grid(struct walk *walk, int rung)
 }
 
 // True where the cells alone are over their share, and so much that chance does not matter.
-static bool is_too_coarse(const struct walk *walk, int grid_rung, const struct scatter_measured *measured)
+static bool is_too_coarse(const struct walk *walk, const struct scatter_setting *setting,
+                          const struct scatter_measured *measured)
 {
-    double wanted = walk->search->target * walk->search->target, spread;
-    double cells = find_cells(walk, grid_rung, measured, &spread);
+    double wanted = walk->search->target * walk->search->target;
+    struct estimate found = find_cells(walk, setting, measured);
 
-    return measured->cells > wanted + measured->noise || cells - spread > CELLS_SHARE * wanted;
+    return measured->cells > wanted + measured->noise || found.cells - found.spread > CELLS_SHARE * wanted;
 }
 
 // Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
@@ -195,8 +199,7 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
     double wanted = walk->search->target * walk->search->target;
 
     if (!measure(walk, setting, measured)) return false;
-    while (isfinite(measured->noise) && measured->noise > wanted &&
-           !is_too_coarse(walk, setting->grid_rung, measured)) {
+    while (isfinite(measured->noise) && measured->noise > wanted && !is_too_coarse(walk, setting, measured)) {
         struct scatter_setting next = *setting;
         struct scatter_measured finer;
 
@@ -225,12 +228,11 @@ static double find_noise(const struct walk *walk, const struct scatter_setting *
 // Tries one grid, which is kept where it is the cheapest.
 static bool try_grid(struct walk *walk, struct scatter_setting setting, struct scatter_measured *measured)
 {
-    double wanted = walk->search->target * walk->search->target, cells, noise, spread;
+    double wanted = walk->search->target * walk->search->target, cells, noise;
 
     if (!measure_grid(walk, &setting, measured)) return false;
     if (isinf(measured->noise)) return true;
-    cells =
-        setting.is_from_lights ? sure_cells(walk, measured) : find_cells(walk, setting.grid_rung, measured, &spread);
+    cells = find_cells(walk, &setting, measured).cells;
     if (!setting.is_from_lights) note_grid(walk, &setting, measured, cells);
     noise = find_noise(walk, &setting, measured);
     if (cells <= CELLS_SHARE * wanted) {
