@@ -52,7 +52,12 @@ bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, 
             "    return all(lessThan(at, cache_invocations));\n}\n",
             SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name,
             cache->takes_turns ? "" : "writeonly ");
-    if (cache->takes_turns)
+    if (cache->part_count > 0)
+        fputs("layout(std430, binding = 0) buffer CacheParts { uint cache_next, cache_left; };\n"
+              "uint cache_take()\n{\n    return atomicAdd(cache_next, 1u);\n}\n"
+              "void cache_leave(uint number)\n{\n    atomicMin(cache_left, number);\n}\n",
+              text->out);
+    else if (cache->takes_turns)
         fputs("layout(std430, binding = 0) buffer CacheTurns { uint cache_is_unfinished; };\n", text->out);
     if (cache->sum_count > 0 || cache->reads_sums)
         fprintf(text->out, "layout(std430, binding = 1) %sbuffer CacheSums { uint cache_sums[]; };\n",

@@ -41,30 +41,12 @@ static void write_main_from_lights(FILE *out, const struct scatter_grid *grid, c
             grid->job->scene.orders);
 }
 
-enum { STRANDS = 64 }; // of groups of nodes, laid beside each other
-
 static void write_main(FILE *out, const struct scatter_grid *grid, const struct scene_cache *cache)
 {
-    enum { SIDE = SCENE_CACHE_GROUP_SIDE };
-    // A light's order counts up to `most`; a float holds it exactly.
-    int orders = grid->job->scene.orders;
-
     fputs("void main()\n{\n", out);
     if (cache->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
-    fprintf(out,
-            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
-            "    ivec3 size = imageSize(cache_image);\n"
-            "    int group = at.y / %d, apart = cache_invocations.y / %d;\n"
-            "    int row = (group %% %d * apart + group / %d) * %d + at.y %% %d, index = at.x + row * %d;\n"
-            "    if (index >= size.x * size.y * size.z) return;\n"
-            "    ivec3 texel = ivec3(index %% size.x, index / size.x %% size.y, index / (size.x * size.y));\n"
-            "    ivec3 nodes = size / ivec3(SCATTER_GRID_LANES, 1, %zu);\n"
-            "    ivec3 node = ivec3(texel.x / SCATTER_GRID_LANES, texel.y, texel.z %% nodes.z);\n"
-            "    vec3 share = vec3(node) / vec3(nodes - 1);\n"
-            "    scatter_grid_fill(texel, texel.x %% SCATTER_GRID_LANES, uint(index / SCATTER_GRID_LANES), "
-            "scatter_grid_low + share * scatter_grid_size, texelFetch(scatter_seen, node, 0).r, texel.z / nodes.z, "
-            "%d);\n}\n",
-            SIDE, SIDE * STRANDS, STRANDS, STRANDS, SIDE, SIDE, SIDE, grid->group_count, orders);
+    // A light's order counts up to that; a float holds it exactly.
+    fprintf(out, "    scatter_grid_fill(%d);\n}\n", grid->job->scene.orders);
 }
 
 static void add_lights(struct shader_assembly *text, const struct scatter_grid_program *program)
@@ -122,6 +104,7 @@ static void add_walks(struct shader_assembly *text, const struct scatter_grid_pr
     scatter_walk_glue_write(&walks);
     fprintf(text->out, "layout(binding = %d) uniform sampler3D scatter_seen;\n", TEXTURE_UNIT_SCATTER_SEEN);
     write_lanes(text->out, program->grid);
+    fprintf(text->out, "const int SCATTER_GRID_SETS = %zu;\n", program->grid->group_count);
     fprintf(text->out, "const int CACHE_STEPS = %d; // that count as one\n", SCENE_CACHE_STEPS);
     shader_assembly_add(text, "scatter_grid/walk.glsl");
     shader_assembly_generate(text);
@@ -183,17 +166,16 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
                                 .invocations = {grid->nodes[0], grid->nodes[1], layers}};
 }
 
-// Walks from the nodes: an invocation for each lane of theirs, in a table that has strips. Drivers give each processor
-// a run of groups: beside each other are groups of nodes that are far apart, so that all have as much to do.
+// Walks from the nodes: each lane of a node is a part.
 static void lay_walks(struct scene_cache *cache, const struct scatter_grid *grid)
 {
-    int strand = STRANDS * SCENE_CACHE_GROUP_SIDE * SCENE_CACHE_GROUP_SIDE, lanes; // of a group of each strand
+    static const int GROUPS_MOST = 4096; // at once: more than any GPU runs
 
     cache->size[0] *= scatter_grid_lane_count(grid);
-    lanes = cache->size[0] * cache->size[1] * cache->size[2];
     cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;
-    cache->invocations[1] = STRANDS * SCENE_CACHE_GROUP_SIDE * ((lanes + strand - 1) / strand);
+    cache->invocations[1] = GROUPS_MOST * SCENE_CACHE_GROUP_SIDE;
     cache->invocations[2] = 1;
+    cache->part_count = (size_t)cache->size[0] * (size_t)cache->size[1] * (size_t)cache->size[2];
     cache->reads_sums = cache->counts_walks = true;
     cache->sum_count = SCATTER_SEEN_SUMS;
 }

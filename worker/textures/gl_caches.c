@@ -152,13 +152,23 @@ static int next_rows(int rows, double seconds, int most)
     return next < most ? next : most;
 }
 
+static void bind_turn(const struct gl_caches *caches, const GLuint *state, size_t size_bytes)
+{
+    caches->gl->NamedBufferData(caches->turns_buffer, (GLsizeiptr)size_bytes, state, GL_DYNAMIC_READ);
+    caches->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, caches->turns_buffer);
+}
+
+static void read_turn(const struct gl_caches *caches, GLuint *state, size_t size_bytes)
+{
+    caches->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    caches->gl->GetNamedBufferSubData(caches->turns_buffer, 0, (GLsizeiptr)size_bytes, state);
+}
+
 static void begin_turn(const struct gl_caches *caches, const struct scene_cache *cache)
 {
     static const GLuint none = 0;
 
-    if (!cache->takes_turns) return;
-    caches->gl->NamedBufferData(caches->turns_buffer, sizeof none, &none, GL_DYNAMIC_READ);
-    caches->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, caches->turns_buffer);
+    if (cache->takes_turns) bind_turn(caches, &none, sizeof none);
 }
 
 // Returns true when the strip has to run again.
@@ -167,8 +177,7 @@ static bool has_another_turn(const struct gl_caches *caches, const struct scene_
     GLuint is_unfinished = 0;
 
     if (!cache->takes_turns) return false;
-    caches->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-    caches->gl->GetNamedBufferSubData(caches->turns_buffer, 0, sizeof is_unfinished, &is_unfinished);
+    read_turn(caches, &is_unfinished, sizeof is_unfinished);
     return is_unfinished != 0;
 }
 
@@ -197,6 +206,31 @@ static bool run_strips(const struct gl_caches *caches, struct kept_program *prog
         gl->Finish();
         if (!has_another_turn(caches, cache)) first += strip;
         program->rows = next_rows(program->rows, clock_now_s() - start, most);
+        if (request->on_strip && !request->on_strip(request->user)) return false;
+    }
+    return true;
+}
+
+// Runs the program turn by turn, over parts that its invocations take. Parts below `first` are done.
+static bool run_parts(const struct gl_caches *caches, struct kept_program *program, const struct scene_cache *cache,
+                      const struct gl_caches_request *request)
+{
+    const struct gl_functions *gl = caches->gl;
+    int most = cache->invocations[1] / SCENE_CACHE_GROUP_SIDE;
+    GLuint first = 0;
+
+    if (program->rows == 0) program->rows = FIRST_STRIP_ROWS;
+    while (first < cache->part_count) {
+        GLuint state[2] = {first, UINT32_MAX}; // the next part, and the first that is left
+        double start = clock_now_s();
+
+        bind_turn(caches, state, sizeof state);
+        gl->DispatchCompute(1, (GLuint)program->rows, 1);
+        gl->Finish();
+        read_turn(caches, state, sizeof state);
+        first = state[0] < state[1] ? state[0] : state[1];
+        // The last turns, in which some find nothing to do, say little.
+        if (state[0] < cache->part_count) program->rows = next_rows(program->rows, clock_now_s() - start, most);
         if (request->on_strip && !request->on_strip(request->user)) return false;
     }
     return true;
@@ -247,7 +281,7 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
     }
     gl->BindImageTexture(0, texture, 0, GL_TRUE, 0, cache->takes_turns ? GL_READ_WRITE : GL_WRITE_ONLY,
                          internal_formats[cache->format]);
-    if (!run_strips(caches, program, cache, request)) return false;
+    if (!(cache->part_count > 0 ? run_parts : run_strips)(caches, program, cache, request)) return false;
     gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
     if (cache->counts_walks) count_walks(caches, cache);
     caches->fill_count++;

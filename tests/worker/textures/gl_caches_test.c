@@ -173,6 +173,88 @@ static void every_texel_is_filled_on_egl(void **state)
     check_every_texel(GL_BACKEND_EGL, of_texels, DEPTH);
 }
 
+enum { PARTS = 5 * WIDTH };
+
+// Part n is done when n % 5 turns have gone on with it; texel n counts them, and texel n of the next row who finished
+// it. Every seventh has nothing to do.
+static struct scene_cache cache_of_parts(void)
+{
+    struct scene_cache cache = {.name = "places",
+                                .unit = UNIT,
+                                .size = {WIDTH, HEIGHT, DEPTH},
+                                .invocations = {SCENE_CACHE_GROUP_SIDE, 4 * SCENE_CACHE_GROUP_SIDE, 1},
+                                .takes_turns = true,
+                                .part_count = PARTS};
+    struct shader_assembly text;
+
+    assert_true(scene_cache_begin(&cache, &text, NULL, NULL));
+    fprintf(text.out,
+            "void main()\n{\n"
+            "    for (int i = 0; i < 3; ++i) {\n"
+            "        uint number = cache_take();\n"
+            "        if (number >= %uu) return;\n"
+            "        ivec3 at = ivec3(number %% %uu, number / %uu, 0);\n"
+            "        float done = imageLoad(cache_image, at).r;\n"
+            "        if (number %% 7u == 0u || done > float(number %% 5u)) continue;\n"
+            "        imageStore(cache_image, at, vec4(done + 1.0));\n"
+            "        imageStore(cache_image, at + ivec3(0, 5, 0), vec4(done == float(number %% 5u) ? number : 0u));\n"
+            "        if (done < float(number %% 5u)) cache_leave(number);\n"
+            "    }\n}\n",
+            PARTS, WIDTH, WIDTH);
+    assert_true(scene_cache_end(&cache, &text));
+    return cache;
+}
+
+static void assert_parts(struct stage *stage)
+{
+    struct image image;
+
+    read_texels(stage, &image);
+    for (unsigned i = 0; i < PARTS; i++) {
+        bool is_idle = i % 7 == 0;
+
+        assert_float_equal(image.rgba[4 * (size_t)i], is_idle ? 0.0 : i % 5 + 1.0, 0.0);
+        assert_float_equal(image.rgba[4 * (size_t)(i + PARTS)], is_idle ? 0.0 : (double)i, 0.0);
+    }
+    image_finish(&image);
+}
+
+static void check_parts(enum gl_backend backend)
+{
+    struct stage stage;
+    struct scene_cache cache = cache_of_parts();
+
+    open_stage(&stage, backend);
+    for (int i = 0; i < 3; i++) {
+        char files[2] = {(char)('a' + i)};
+
+        cache.reads_files = true;
+        assert_int_equal(gl_caches_bind(stage.caches,
+                                        &(struct gl_caches_request){.caches = &cache,
+                                                                    .count = 1,
+                                                                    .blocks = &(const unsigned char *){NULL},
+                                                                    .files_hash = files},
+                                        NULL),
+                         GL_CACHES_BOUND);
+        assert_int_equal(gl_caches_count_fills(stage.caches), i + 1);
+        assert_parts(&stage);
+    }
+    close_stage(&stage);
+    scene_cache_finish(&cache);
+}
+
+static void every_part_is_done_to_its_end(void **state)
+{
+    (void)state;
+    check_parts(GL_BACKEND_SOFTWARE);
+}
+
+static void every_part_is_done_to_its_end_on_egl(void **state)
+{
+    (void)state;
+    check_parts(GL_BACKEND_EGL);
+}
+
 static void what_stays_is_not_filled_again(void **state)
 {
     struct stage stage;
@@ -337,6 +419,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_texel_is_filled),
         cmocka_unit_test(every_texel_is_filled_on_egl),
+        cmocka_unit_test(every_part_is_done_to_its_end),
+        cmocka_unit_test(every_part_is_done_to_its_end_on_egl),
         cmocka_unit_test(what_stays_is_not_filled_again),
         cmocka_unit_test(a_cache_follows_the_one_that_it_reads),
         cmocka_unit_test(a_step_is_there_while_another_is_filled),
