@@ -50,6 +50,19 @@ static bool read_scouts(struct plan_json *plan, const struct json_node *object, 
     return true;
 }
 
+// Known of plans whose light is scattered more than once.
+static bool read_scattered(struct plan_json *plan, const struct json_node *object, struct error *error)
+{
+    struct json_node scattered = json_node_child(object, "scattered"), cells, paths;
+
+    if (json_node_is_absent(&scattered)) return true;
+    if (!json_check_array(&scattered, 2, 2, error)) return false;
+    cells = json_node_element(&scattered, 0);
+    paths = json_node_element(&scattered, 1);
+    return json_read_number(&cells, 0.0, NUMBER_LIMIT, &plan->cells_square, error) &&
+           json_read_number(&paths, 0.0, NUMBER_LIMIT, &plan->paths_square, error);
+}
+
 static bool read_views(struct plan_json *plan, const struct json_node *pilot, const struct job *job,
                        struct error *error)
 {
@@ -93,7 +106,7 @@ static bool read_samples(struct plan_json *plan, const struct json_node *pilot, 
 
 bool plan_from_json(struct plan_json *plan, const struct json_node *object, const struct job *job, struct error *error)
 {
-    static const char *const keys[] = {"quality", "why", "before", "scouts", "pilot", "beyond", NULL};
+    static const char *const keys[] = {"quality", "why", "before", "scouts", "scattered", "pilot", "beyond", NULL};
     static const char *const pilot_keys[] = {"quality", "pixels", "frames", "change", "samples", NULL};
     struct json_node why = json_node_child(object, "why"), pilot = json_node_child(object, "pilot");
     const char *reason;
@@ -105,9 +118,9 @@ bool plan_from_json(struct plan_json *plan, const struct json_node *object, cons
     if (strlen(reason) >= sizeof plan->reason) return json_fail_expected(&why, error, "a short sentence");
     snprintf(plan->reason, sizeof plan->reason, "%s", reason);
     return read_before(plan, object, job, error) && read_scouts(plan, object, error) &&
-           json_check_object(&pilot, error) && json_check_keys(&pilot, pilot_keys, error) &&
-           read_views(plan, &pilot, job, error) && read_samples(plan, &pilot, error) &&
-           job_beyond_read(&plan->beyond, object, error);
+           read_scattered(plan, object, error) && json_check_object(&pilot, error) &&
+           json_check_keys(&pilot, pilot_keys, error) && read_views(plan, &pilot, job, error) &&
+           read_samples(plan, &pilot, error) && job_beyond_read(&plan->beyond, object, error);
 }
 
 static void write_number(struct json_writer *writer, double number)
@@ -158,6 +171,13 @@ void plan_to_json(struct json_writer *writer, const struct plan_json *plan, cons
     for (int i = 0; i < plan->scout_count; i++)
         write_number(writer, plan->scout_errors[i]);
     json_write_end_array(writer);
+    if (plan->cells_square + plan->paths_square > 0.0) {
+        json_write_key(writer, "scattered");
+        json_write_begin_array(writer);
+        write_number(writer, plan->cells_square);
+        write_number(writer, plan->paths_square);
+        json_write_end_array(writer);
+    }
     json_write_key(writer, "pilot");
     write_pilot(writer, plan, job);
     job_beyond_write(&plan->beyond, writer);

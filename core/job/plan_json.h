@@ -30,6 +30,8 @@ struct plan_json {
     // The relative RMSE of that quality in frames that lie evenly over the segment, the first and the last among them.
     double scout_errors[PLAN_JSON_SCOUT_LIMIT];
     int scout_count;
+    // Squared relative RMSE of a grid of scattered light: of its cells, and of its paths. Both 0: there is none.
+    double cells_square, paths_square;
     // Small pictures of some frames show audits where a frame's error is: in this quality and in the plan's own.
     struct job_quality view_quality;
     int view_pixels; // of each picture, at most

@@ -34,6 +34,8 @@ struct plan {
     struct plan_scouting scouting; // which frames are refined
     size_t family;                 // index in plan_families
     struct plan_point point;       // in that family
+    // Squared relative RMSE of a grid of scattered light: of its cells, and of its paths. Both 0: not known.
+    double cells_square, paths_square;
     // The quality, with its pixels, that this plan replaced because one frame was over its tolerance (plan_return.h).
     bool has_before;
     struct job_quality before;

@@ -10,13 +10,16 @@
 enum { DROP_LIMIT = 4 }; // rungs by which another family may be coarser than the one before
 
 // Set by hand; tests/worker/plan/plan_retry_test shows what follows from them.
-static const double GOAL = 0.5;                                      // of the tolerance: the error to expect
+static const double GOAL = 0.5;                                      // of the tolerance: the error to expect,
+static const double SCATTERED_GOAL = 0.8;                            // where work grows with its fourth power
 static const double FALL = 0.59460355750136051;                      // of an error by a rung: 2^(-1.5 / 2)
 static const double NOISE_FALL = 0.84089641525371454;                // of noise by a rung of paths: 2^(-0.5 / 2)
 static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, in units
 static const double DARK_DEPTH = 20.0;
-static const double SETTLED = 0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at
-static const double TINY = 1e-12;   // an error of 0 has no logarithm
+static const double SETTLED =
+    0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at,
+static const double SCATTERED_SETTLED = 0.85; // and plan_scatter.c
+static const double TINY = 1e-12;             // an error of 0 has no logarithm
 
 static double find_work(const struct plan_retry *retry, const struct plan *plan, const struct plan_point *point)
 {
@@ -102,6 +105,28 @@ bool plan_retry_shorten(const struct plan_retry *retry, struct plan *plan, int r
     return moved;
 }
 
+static bool is_noise(enum plan_axis axis)
+{
+    return axis == PLAN_AXIS_NODE_PATHS || axis == PLAN_AXIS_PIXEL_PATHS;
+}
+
+bool plan_retry_know(const struct plan_retry *retry, const struct plan *plan, double changes[static PLAN_AXIS_LIMIT])
+{
+    // Trials of few pixels say roughly which of the two is larger.
+    static const double LEAST_PART = 0.25;
+    double all = plan->cells_square + plan->paths_square, least = LEAST_PART * all;
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_retry_axes(retry, plan, axes);
+
+    for (int i = 0; i < PLAN_AXIS_LIMIT; i++) {
+        changes[i] = 0.0;
+        if (i >= count) continue;
+        if (axes[i] == PLAN_AXIS_SCATTER_GRID) changes[i] = sqrt(fmax(plan->cells_square, least));
+        if (is_noise(axes[i])) changes[i] = sqrt(fmax(plan->paths_square, least));
+    }
+    return all > 0.0;
+}
+
 // Squared errors add up; what the changes leave unexplained is blamed on the axes in the same proportion.
 static void blame(const double *changes, int count, double error, double errors[static PLAN_AXIS_LIMIT])
 {
@@ -120,11 +145,6 @@ static double sum_up(const double *errors, int count)
     for (int i = 0; i < count; i++)
         sum += errors[i] * errors[i];
     return sqrt(sum);
-}
-
-static bool is_noise(enum plan_axis axis)
-{
-    return axis == PLAN_AXIS_NODE_PATHS || axis == PLAN_AXIS_PIXEL_PATHS;
 }
 
 // Refines by one rung the axis that is most to blame of those that can be refined within `limit`.
@@ -159,7 +179,8 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
     bool moved = false;
 
     blame(changes, count, isfinite(error) ? error : 1.0, errors);
-    while (sum_up(errors, count) > GOAL * tolerance && refine_worst(retry, plan, &point, errors, limit))
+    while (sum_up(errors, count) > (retry->scene.is_scattered ? SCATTERED_GOAL : GOAL) * tolerance &&
+           refine_worst(retry, plan, &point, errors, limit))
         moved = true;
     // A rendering of which a miss is expected is a waste: this one may take what is left.
     while (sum_up(errors, count) > tolerance && refine_worst(retry, plan, &point, errors, all))
@@ -226,7 +247,8 @@ bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan)
 void plan_retry_settle(const struct plan_retry *retry, const struct plan *missed, double missed_error,
                        struct plan *found, double found_error)
 {
-    double wanted = SETTLED * retry->scene.job->quality.tolerance, share;
+    double settled = retry->scene.is_scattered ? SCATTERED_SETTLED : SETTLED;
+    double wanted = settled * retry->scene.job->quality.tolerance, share;
     struct plan_point point = found->point;
 
     if (missed->family != found->family || !(found_error < wanted) || !(missed_error > wanted) || isinf(missed_error))

@@ -41,9 +41,11 @@ int plan_retry_axes(const struct plan_retry *retry, const struct plan *plan,
 // Makes one axis coarser by PLAN_HALVING_RUNGS, or finer where it is too coarse for that. The frame's change tells how
 // much of its error is to be blamed on the axis.
 void plan_retry_vary(const struct plan_retry *retry, struct plan *plan, int axis);
-// Refines the axes that are to be blamed until an error of half the tolerance is expected or the allowance is spent:
-// `changes` has an RMSE for each axis, and becomes what to expect afterwards. Errors are expected to fall with the
-// steps to the power of 1.5. All axes are to blame where no change is known. False when nothing can be refined.
+// Sets `changes` by what the plan knows of its grid of scattered light. False when it knows nothing.
+bool plan_retry_know(const struct plan_retry *retry, const struct plan *plan, double changes[static PLAN_AXIS_LIMIT]);
+// Refines the axes that are to be blamed until an error of half the tolerance is expected, of 0.8 of it with more than
+// one order of scattering, or the allowance is spent: `changes` has an RMSE for each axis, and becomes what to expect
+// afterwards. Errors are expected to fall with the steps to the power of 1.5, noise with the root of the paths. All axes are to blame where no change is known. False when nothing can be refined.
 bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error);
 // Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.
@@ -55,6 +57,6 @@ bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan)
 
 // Turns a plan that keeps the tolerance into the one for later frames. Where it is finer than needed, it moves back
 // towards `missed`, a plan of the same family that does not keep it, to the rungs at which 0.65 of the tolerance is to
-// be expected: logarithms of errors fall evenly between the two.
+// be expected, or 0.85 with more than one order of scattering: logarithms of errors fall evenly between the two.
 void plan_retry_settle(const struct plan_retry *retry, const struct plan *missed, double missed_error,
                        struct plan *found, double found_error);

@@ -25,7 +25,7 @@ enum { LIGHT_GRID_RUNG = 6 }; // of paths: 64 cells, whose error is a few thousa
 
 // Shares of the tolerance, set by hand: the error of the whole plan, that of one for MANY frames, among which a miss
 // costs little, and the part of the first order in it.
-static const double SHARE = 0.7, SHARE_OF_MANY = 0.8, FIRST_SHARE = 0.4;
+static const double SHARE = 0.7, SHARE_OF_MANY = 0.9, FIRST_SHARE = 0.4;
 static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 // Of the tolerance, the error that grids of lights may add to paths of pixels; of the noise, what may look like it.
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
@@ -291,16 +291,23 @@ static void describe(struct plan *plan, const struct scatter_finding *finding)
                  finding->setting.is_from_lights ? "particles from the lights" : "paths", reason);
 }
 
-// The errors of the first order become those of all.
+// The errors of the first order become those of all. The march was refined for the middle frame, whose error the
+// search's pictures have, too; where the first order alone errs by more, so do all orders.
 static void predict(struct plan *plan, const struct plan_scatter *scatter, const struct scatter_finding *finding)
 {
-    double light = scatter->truth.first_share;
+    struct plan_scouting *scouting = &plan->scouting;
+    bool has_grid = finding->setting.grid_rung != SCATTER_PIXELS;
+    double middle = scouting->count > 0 ? scouting->error[scouting->count / 2] : 0.0;
+    double kept = fmin(middle * scatter->truth.first_share, MARCH_SHARE * scatter->params->job->quality.tolerance);
 
-    plan->predicted_error = fmax(plan->predicted_error * light, finding->error);
-    for (int i = 0; i < plan->scouting.count; i++)
-        plan->scouting.error[i] = finding->setting.grid_rung == SCATTER_PIXELS
-                                      ? finding->error
-                                      : hypot(plan->scouting.error[i] * light, finding->error);
+    plan->predicted_error = finding->error;
+    plan->cells_square = finding->cells;
+    plan->paths_square = fmax(finding->error * finding->error - finding->cells, 0.0);
+    for (int i = 0; i < scouting->count; i++) {
+        double growth = middle > 0.0 && has_grid ? scouting->error[i] / middle : 1.0;
+
+        scouting->error[i] = hypot(finding->error, kept * sqrt(fmax(growth * growth - 1.0, 0.0)));
+    }
 }
 
 // Seconds of a frame by the pace of its paths. No plan depends on them.

@@ -22,7 +22,7 @@ static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
-static const char FORMAT[] = "marchd plan 8 of " MARCHD_VERSION;
+static const char FORMAT[] = "marchd plan 9 of " MARCHD_VERSION;
 
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE])
 {
@@ -57,6 +57,8 @@ void plan_shared_describe(struct plan_json *shared, const struct plan *plan, con
                                  .has_before = plan->has_before,
                                  .before = plan->before,
                                  .scout_count = plan->scouting.count,
+                                 .cells_square = plan->cells_square,
+                                 .paths_square = plan->paths_square,
                                  .view_quality = evidence->finest,
                                  .view_pixels = evidence->pixel_limit,
                                  .view_count = evidence->view_count,
@@ -135,6 +137,8 @@ bool plan_shared_adopt(struct plan *plan, struct plan_evidence *evidence, const 
                           .pixels = shared->quality.pixels,
                           .has_before = shared->has_before,
                           .before = shared->before,
+                          .cells_square = shared->cells_square,
+                          .paths_square = shared->paths_square,
                           .beyond = shared->beyond};
     plan->quality.pixels = (struct job_pixels){0};
     if (!plan_lookup(&scene, &shared->quality, &plan->family, &plan->point)) {

@@ -96,15 +96,16 @@ static bool is_affordable(const struct walk *walk, const struct scatter_setting 
     return setting->grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }
 
-static void keep(struct walk *walk, const struct scatter_setting *setting, double square)
+static void keep(struct walk *walk, const struct scatter_setting *setting, double cells, double noise)
 {
+    double square = cells + noise;
     double paths = nodes_of(walk, setting) * scatter_paths_of(setting->path_rung), target = walk->search->target;
     bool is_within = square <= target * target;
 
     if (walk->finding.is_found ? !is_within || paths >= walk->finding.paths : !is_within && square >= walk->least)
         return;
     walk->finding = (struct scatter_finding){
-        .setting = *setting, .error = sqrt(fmax(square, 0.0)), .paths = paths, .is_found = is_within};
+        .setting = *setting, .error = sqrt(fmax(square, 0.0)), .cells = cells, .paths = paths, .is_found = is_within};
     walk->least = square;
 }
 
@@ -176,8 +177,7 @@ static void guess_grid(struct walk *walk, int rung)
 
         if (cells > CELLS_SHARE * wanted) continue;
         paths = find_rungs(noise, wanted - cells, 0);
-        keep(walk, &(struct scatter_setting){.grid_rung = rung, .path_rung = paths},
-             cells + noise * exp2(-0.5 * paths));
+        keep(walk, &(struct scatter_setting){.grid_rung = rung, .path_rung = paths}, cells, noise * exp2(-0.5 * paths));
         return;
     }
 }
@@ -192,6 +192,17 @@ static bool is_too_coarse(const struct walk *walk, const struct scatter_setting 
     return measured->cells > wanted + measured->noise || found.cells - found.spread > CELLS_SHARE * wanted;
 }
 
+// True where the paths that the noise alone asks for cost more than what was found, by a rung: the noise of few paths is
+// not known well.
+static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting,
+                        const struct scatter_measured *measured)
+{
+    double wanted = walk->search->target * walk->search->target;
+    int paths = setting->path_rung + find_rungs(measured->noise, wanted, setting->path_rung);
+
+    return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > 1.42 * walk->finding.paths;
+}
+
 // Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
 // they do not matter. `setting` becomes the one that was measured last.
 static bool measure_grid(struct walk *walk, struct scatter_setting *setting, struct scatter_measured *measured)
@@ -199,7 +210,8 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
     double wanted = walk->search->target * walk->search->target;
 
     if (!measure(walk, setting, measured)) return false;
-    while (isfinite(measured->noise) && measured->noise > wanted && !is_too_coarse(walk, setting, measured)) {
+    while (isfinite(measured->noise) && measured->noise > wanted && !is_too_coarse(walk, setting, measured) &&
+           !is_too_dear(walk, setting, measured)) {
         struct scatter_setting next = *setting;
         struct scatter_measured finer;
 
@@ -239,9 +251,9 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
         int by = find_rungs(noise, wanted - cells, setting.path_rung);
 
         setting.path_rung += by;
-        keep(walk, &setting, cells + noise * exp2(-0.5 * by));
+        keep(walk, &setting, cells, noise * exp2(-0.5 * by));
     } else {
-        keep(walk, &setting, cells + noise);
+        keep(walk, &setting, cells, noise);
     }
     return true;
 }
@@ -267,7 +279,7 @@ static bool try_pixels(struct walk *walk)
     setting.path_rung = PIXEL_PATHS_FIRST;
     by = find_rungs(noise, wanted, setting.path_rung);
     setting.path_rung += by;
-    keep(walk, &setting, noise * exp2(-0.5 * by));
+    keep(walk, &setting, 0.0, noise * exp2(-0.5 * by));
     return true;
 }
 

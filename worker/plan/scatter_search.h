@@ -51,6 +51,7 @@ struct scatter_search {
 struct scatter_finding {
     struct scatter_setting setting;
     double error; // expected
+    double cells; // of its square, the part that cells have; the rest is noise
     double paths; // of a frame, in walks of usual length from nodes
     bool is_found, is_stopped;
 };

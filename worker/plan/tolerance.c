@@ -235,6 +235,7 @@ static bool find_changes(struct rendering *rendering, const struct plan *plan)
     const struct tolerance_params *params = rendering->params;
     const struct plan_params looking = probe_params(rendering);
 
+    if (plan_retry_know(&rendering->retry, plan, rendering->changes)) return true;
     return plan_probe_axes(
         &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
         &rendering->retry, rendering->changes, &rendering->result->render.fault, rendering->error);

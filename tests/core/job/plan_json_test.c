@@ -20,7 +20,8 @@
 static const char whole[] =
     "{\"quality\":{\"method\":\"midpoint\",\"step\":0.25,\"light_step\":0.5,\"samples\":4},\"why\":\"so\","
     "\"before\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.5,\"light_step\":1,\"samples\":4}},"
-    "\"scouts\":[0.5,0.25],\"pilot\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.125,\"light_step\":0.25,"
+    "\"scouts\":[0.5,0.25],\"scattered\":[0.25,0.125],\"pilot\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.125,"
+    "\"light_step\":0.25,"
     "\"samples\":4},\"pixels\":576,\"frames\":[1,3],\"change\":0.125,\"samples\":[[1,-2,0.1],[3,4,5]]},"
     "\"beyond\":{\"error\":0.5,\"error95\":0.625}}";
 
@@ -61,6 +62,7 @@ static void a_plan_is_read_and_written(void **state)
     assert_true(plan.quality.max_depth == job.quality.max_depth && plan.quality.max_cut == 1.0);
     assert_true(plan.has_before && plan.before.step == 0.5 && plan.before.tolerance == 0.02);
     assert_int_equal(plan.scout_count, 2);
+    assert_true(plan.cells_square == 0.25 && plan.paths_square == 0.125);
     assert_int_equal(plan.view_count, 2);
     assert_int_equal(plan.view_frames[1], 3);
     assert_int_equal(plan.view_pixels, 576);
@@ -74,6 +76,7 @@ static void a_plan_is_read_and_written(void **state)
     assert_true(again.scout_errors[0] == 0.5 && again.scout_errors[1] == 1e300);
     plan_to_json(&other, &again, &job);
     assert_string_equal(writer.text, other.text);
+    assert_true(again.cells_square == 0.25 && again.paths_square == 0.125);
     json_writer_finish(&writer);
     json_writer_finish(&other);
     job_finish(&job);
@@ -97,6 +100,8 @@ static void other_plans_are_refused(void **state)
         {"before.more", "1", "before: unknown key"},
         {"before.quality.step", "-1", "before.quality.step: expected"},
         {"scouts", "[-1]", "scouts[0]: expected"},
+        {"scattered", "[1,-1]", "scattered[1]: expected"},
+        {"scattered", "[1]", "scattered: expected"},
         {"scouts", "[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]", "scouts: expected"},
         {"pilot.pixels", "5000", "pilot.pixels: expected"},
         {"pilot.frames", "[999999]", "pilot.frames[0]: expected a frame of the job"},

@@ -32,12 +32,13 @@ static size_t find_family(enum job_method method)
     return i;
 }
 
-static void open_stage(struct stage *stage, enum job_method method, struct plan_point point)
+static void open_ordered(struct stage *stage, enum job_method method, struct plan_point point, int orders)
 {
     struct plan_scene scene;
 
     memset(stage, 0, sizeof *stage);
     example_job_load(&stage->job, "cloud");
+    stage->job.scene.orders = orders;
     stage->job.width_px = WIDTH_PX;
     stage->job.height_px = HEIGHT_PX;
     stage->job.quality = (struct job_quality){.method = JOB_METHOD_AUTO, .tolerance = 0.01, .samples = 1};
@@ -48,6 +49,16 @@ static void open_stage(struct stage *stage, enum job_method method, struct plan_
     stage->plan = (struct plan){.family = find_family(method), .point = point};
     stage->plan.quality = plan_family_quality(&plan_families[stage->plan.family], &scene, &point);
     plan_retry_init(&stage->retry, &stage->job, &stage->image, &stage->plan);
+}
+
+static void open_stage(struct stage *stage, enum job_method method, struct plan_point point)
+{
+    open_ordered(stage, method, point, 1);
+}
+
+static void open_scattered(struct stage *stage, struct plan_point point)
+{
+    open_ordered(stage, JOB_METHOD_MIDPOINT, point, 3);
 }
 
 static void close_stage(struct stage *stage)
@@ -276,6 +287,48 @@ static void a_plan_that_is_as_fine_as_needed_stays(void **state)
     close_stage(&stage);
 }
 
+// A plan of scattered light knows what its cells and its paths add: no picture has to tell. Few paths are refined
+// first, and no further than needed, since work grows with the fourth power of what is asked.
+static void a_plan_of_scattered_light_knows_what_is_to_blame(void **state)
+{
+    enum { STEP, LIGHT, OPACITY, CELLS, PATHS };
+    double changes[PLAN_AXIS_LIMIT] = {7.0};
+    struct stage stage;
+    struct plan plan;
+
+    (void)state;
+    open_stage(&stage, JOB_METHOD_CACHED, (struct plan_point){.rungs = {6, 5, 3}});
+    assert_false(plan_retry_know(&stage.retry, &stage.plan, changes));
+    close_stage(&stage);
+    open_scattered(&stage, (struct plan_point){.rungs = {6, 5, 3, 7, 21}});
+    plan = stage.plan;
+    plan.cells_square = 1e-5;
+    plan.paths_square = 9e-5;
+    assert_true(plan_retry_know(&stage.retry, &plan, changes));
+    assert_true(changes[STEP] == 0.0 && changes[LIGHT] == 0.0 && changes[OPACITY] == 0.0);
+    assert_float_equal(changes[CELLS], sqrt(2.5e-5), 1e-9); // a fourth at least
+    assert_float_equal(changes[PATHS], sqrt(9e-5), 1e-9);
+    assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.0088));
+    assert_int_equal(plan.point.rungs[CELLS], 7);
+    assert_int_equal(plan.point.rungs[PATHS], 22); // one rung leaves 0.0077, which is below 0.8 of the tolerance
+    close_stage(&stage);
+}
+
+static void later_frames_of_scattered_light_stay_near_the_tolerance(void **state)
+{
+    struct stage stage;
+    struct plan missed, found;
+
+    (void)state;
+    open_scattered(&stage, (struct plan_point){.rungs = {6, 5, 3, 7, 21}});
+    missed = found = stage.plan;
+    found.point.rungs[4] = 25;
+    plan_retry_settle(&stage.retry, &missed, 0.0101, &found, 0.0071);
+    // From 0.0101 to 0.0071 by 4 rungs: 0.0085, which is asked for, lies half of the way. Of others, 0.0065 is.
+    assert_int_equal(found.point.rungs[4], 23);
+    close_stage(&stage);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +345,8 @@ int main(void)
         cmocka_unit_test(the_next_family_is_as_fine_where_that_is_allowed),
         cmocka_unit_test(later_frames_are_no_finer_than_needed),
         cmocka_unit_test(a_plan_that_is_as_fine_as_needed_stays),
+        cmocka_unit_test(a_plan_of_scattered_light_knows_what_is_to_blame),
+        cmocka_unit_test(later_frames_of_scattered_light_stay_near_the_tolerance),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,7 @@ struct terrain {
     int measured;
     double traced;
     int finest;      // that was measured
+    int finest_rung; // of its paths
     int few;         // cells; 0: 16
     int most_of_few; // the largest rung of paths of at most so many cells
     bool is_chance_known;
@@ -63,6 +64,7 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
     if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= (terrain->few ? terrain->few : 16) &&
         path_rung > terrain->most_of_few)
         terrain->most_of_few = path_rung;
+    if (grid_rung >= terrain->finest) terrain->finest_rung = path_rung;
     if (grid_rung > terrain->finest) terrain->finest = grid_rung;
     terrain->traced +=
         2.0 * (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(0.5 * path_rung);
@@ -124,6 +126,21 @@ static void what_is_found_keeps_the_target_and_is_cheap(void **state)
             assert_true(cost_of(found.setting.grid_rung, found.setting.path_rung) <=
                         4.0 * find_least_cost(&terrain, targets[i]));
         }
+}
+
+// Grids that the noise alone makes dearer than what was found get no paths to tell their cells by. What is found knows
+// how much of its error is cells.
+static void what_cannot_be_cheaper_is_left_early(void **state)
+{
+    struct terrain terrain = {.cells = 4.0, .noise = 5.0, .pixel_noise = 1e3};
+    struct scatter_finding found = search(&terrain, 0.01, true);
+    double cells = square_of(&terrain, found.setting.grid_rung, 120);
+
+    (void)state;
+    assert_true(found.is_found);
+    assert_float_equal(found.cells, cells, 0.1 * cells);
+    assert_true(terrain.finest > found.setting.grid_rung);
+    assert_true(terrain.finest_rung < found.setting.path_rung);
 }
 
 // What chance may add to cells makes no grid finer than it must be.
@@ -358,6 +375,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_found_keeps_the_target_and_is_cheap),
+        cmocka_unit_test(what_cannot_be_cheaper_is_left_early),
         cmocka_unit_test(chance_is_not_taken_for_cells),
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(the_lights_fill_a_grid_where_that_costs_less),
