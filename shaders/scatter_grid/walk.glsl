@@ -91,7 +91,7 @@ int scatter_grid_wanted(float seen)
     return int(ceil(share * scatter_grid_paths));
 }
 
-// A part of a node's walks: every SCATTER_GRID_LANES-th, from `lane` on. `wanted` of them are to be done, and `done` are.
+// A part of a node's walks: every SCATTER_GRID_LANES-th, from `lane` on. `wanted` are to be done, and `done` are.
 struct ScatterPart {
     ivec3 texel;
     vec3 node, away; // from the camera

@@ -99,6 +99,7 @@ static struct audit_verdict judge(const struct audit *audit)
                                                    .change = audit->params->is_own ? audit->map.change : -1.0,
                                                    .pool_change = pool ? pool->change : -1.0,
                                                    .resolution = RESOLUTION_SHARE * audit->params->tolerance,
+                                                   .is_random = truth_is_random(audit->params->job),
                                                    .is_black = audit_map_is_black(&audit->map)});
 }
 
@@ -121,7 +122,8 @@ static size_t find_next_count(const struct audit *audit)
 {
     const struct audit_params *params = audit->params;
     size_t done = audit->samples.count, least = find_least(params), most = find_most(params);
-    size_t pooled = least < AUDIT_RAYS_POOLED ? least : AUDIT_RAYS_POOLED;
+    size_t wanted = truth_is_random(params->job) ? AUDIT_RAYS_POOLED_RANDOM : AUDIT_RAYS_POOLED;
+    size_t pooled = least < wanted ? least : wanted;
     struct audit_verdict verdict;
 
     if (params->pool && done < pooled) return pooled - done;

@@ -16,8 +16,9 @@ struct pixel;
 struct truth;
 
 enum {
-    AUDIT_RAYS_MIN = 64,   // pixels at least of a frame that is audited alone; docs/rendering.md has the measurement
-    AUDIT_RAYS_POOLED = 16 // pixels at least of a frame that has a pool
+    AUDIT_RAYS_MIN = 64,    // pixels at least of a frame that is audited alone; docs/rendering.md has the measurement
+    AUDIT_RAYS_POOLED = 16, // pixels at least of a frame that has a pool,
+    AUDIT_RAYS_POOLED_RANDOM = 32 // where the light is random: few of noisy squares say little of what is broken
 };
 
 // The samples that the frames of a segment share. The zero value is empty.
@@ -56,7 +57,7 @@ struct audit_params {
 };
 
 // Measures pixels against the reference until the error is a standard error from the tolerance, or there are enough.
-// Their number follows from their values, never from a clock. A frame with a pool begins with AUDIT_RAYS_POOLED pixels.
+// Their number follows from their values, never from a clock. A frame with a pool begins with few pixels.
 // If these differ from the pool, it goes on alone. False when on_progress or on_trace stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 

@@ -24,6 +24,8 @@ void audit_samples_finish(struct audit_samples *samples)
     *samples = (struct audit_samples){0};
 }
 
+static const double RANDOM_LARGEST = 2.0; // the largest square of a frame like the pool, relative to the pool's
+
 struct moments {
     size_t count;
     double square, cross, noise; // means
@@ -105,7 +107,7 @@ static bool is_like_pool(const struct audit_evidence *evidence, const struct mom
     if (!evidence->pool || evidence->pool->count == 0) return false;
     if (own->count == 0 || own->square <= evidence->resolution * evidence->resolution) return true;
     pool = find_moments(evidence->pool, NULL);
-    return own->largest <= growth * pool.largest &&
+    return own->largest <= (evidence->is_random ? RANDOM_LARGEST : 1.0) * growth * pool.largest &&
            own->square <= growth * (pool.square + UNLIKE * pool.deviation / sqrt((double)own->count));
 }
 

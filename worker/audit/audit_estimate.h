@@ -29,6 +29,7 @@ struct audit_evidence {
     // `change` of the frame's own map (audit_map.h), and the largest of the pool's; negative: not known.
     double change, pool_change;
     double resolution; // the reference's own error: smaller errors cannot be measured
+    bool is_random;    // squares have the noise of random paths: the largest of few may be above the pool's by chance
     bool is_black;     // the samples are absolute
 };
 

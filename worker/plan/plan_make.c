@@ -20,6 +20,7 @@
 #include "worker/plan/plan_scout.h"
 #include "worker/plan/plan_search.h"
 #include "worker/plan/plan_time.h"
+#include "worker/plan/scatter_evidence.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -400,7 +401,8 @@ static bool choose_scattered(struct plan *plan, const struct plan_params *params
     first_params.job = &first;
     ok = choose_first(plan, &first_params, fault, error);
     if (ok && params->evidence) forget_evidence(params->evidence);
-    ok = ok && plan_scatter_complete(scatter, plan, fault, error);
+    ok = ok && plan_scatter_complete(scatter, plan, fault, error) &&
+         (!params->evidence || scatter_evidence_measure(plan, params, params->evidence, fault, error));
     plan_scatter_destroy(scatter);
     return ok;
 }

@@ -45,7 +45,8 @@ void plan_retry_vary(const struct plan_retry *retry, struct plan *plan, int axis
 bool plan_retry_know(const struct plan_retry *retry, const struct plan *plan, double changes[static PLAN_AXIS_LIMIT]);
 // Refines the axes that are to be blamed until an error of half the tolerance is expected, of 0.8 of it with more than
 // one order of scattering, or the allowance is spent: `changes` has an RMSE for each axis, and becomes what to expect
-// afterwards. Errors are expected to fall with the steps to the power of 1.5, noise with the root of the paths. All axes are to blame where no change is known. False when nothing can be refined.
+// afterwards. Errors are expected to fall with the steps to the power of 1.5, noise with the root of the paths. All
+// axes are to blame where no change is known. False when nothing can be refined.
 bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error);
 // Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.

@@ -192,8 +192,8 @@ static bool is_too_coarse(const struct walk *walk, const struct scatter_setting 
     return measured->cells > wanted + measured->noise || found.cells - found.spread > CELLS_SHARE * wanted;
 }
 
-// True where the paths that the noise alone asks for cost more than what was found, by a rung: the noise of few paths is
-// not known well.
+// True where the paths that the noise alone asks for cost more than what was found, by a rung: few paths do not know
+// it well.
 static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting,
                         const struct scatter_measured *measured)
 {

@@ -86,6 +86,24 @@ static void a_frame_unlike_its_pool_is_judged_by_itself(void **state)
     audit_samples_finish(&own);
 }
 
+// Squares with the noise of random paths have a largest one by chance: twice the pool's is none of a broken frame.
+static void the_largest_of_random_squares_may_be_above_the_pool(void **state)
+{
+    struct audit_samples pool = even_samples(64, 1e-6, 0.0), own = even_samples(32, 1e-6, 0.0);
+    struct audit_evidence evidence = {.own = &own, .pool = &pool, .change = -1.0, .pool_change = -1.0};
+
+    for (size_t i = 0; i < pool.count; i++)
+        pool.list[i].square *= i % 2 ? 1.5 : 0.5;
+    own.list[5].square = 2.9e-6;
+    assert_false(audit_estimate(&evidence).is_pooled);
+    evidence.is_random = true;
+    assert_true(audit_estimate(&evidence).is_pooled);
+    own.list[5].square = 3.1e-6;
+    assert_false(audit_estimate(&evidence).is_pooled);
+    audit_samples_finish(&pool);
+    audit_samples_finish(&own);
+}
+
 static void values_that_are_not_finite_are_infinite_errors(void **state)
 {
     struct audit_samples own = even_samples(64, 1e-6, 0.0);
@@ -102,6 +120,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(spreads_are_standard_errors),
         cmocka_unit_test(changes_by_halving_are_below_the_bound),
         cmocka_unit_test(a_frame_unlike_its_pool_is_judged_by_itself),
+        cmocka_unit_test(the_largest_of_random_squares_may_be_above_the_pool),
         cmocka_unit_test(values_that_are_not_finite_are_infinite_errors),
     };
 

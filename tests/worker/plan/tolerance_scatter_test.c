@@ -243,13 +243,58 @@ static void a_stated_grid_is_filled_once(void **state)
     (void)state;
 }
 
+// The plan of a long segment measures its own frames once, in other pixels than those by which it was chosen: a frame
+// is then judged by few of its own. In a short one that would cost more than it saves.
+static void frames_of_long_segments_share_their_samples(void **state)
+{
+    static const char *const frames[] = {"\"0-11\"", "\"0-10\""};
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct tolerance *tolerance = tolerance_create(stage.renderer);
+
+    (void)state;
+    for (int is_short = 0; is_short < 2; is_short++) {
+        struct tolerance_result result;
+        struct error error = {{0}};
+        struct image image;
+        struct job job;
+        char text[2048], *edited;
+
+        // A black lamp moves: frames are alike and have random numbers of their own.
+        snprintf(text, sizeof text, JOB,
+                 ",{\"kind\":\"point\",\"intensity\":0,\"position\":{\"lissajous\":{\"amplitude\":[1,1,1],"
+                 "\"frequency_rad\":[3,2,4],\"center\":[9,9,9]}}}",
+                 NOISE, "5", 0.05);
+        edited = json_edit_set(text, "frames", frames[is_short]);
+        if (!job_parse(&job, edited, strlen(edited), NULL, &error)) fail_msg("%s", error.message);
+        free(edited);
+        assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
+        if (!tolerance_render(
+                tolerance, &(struct tolerance_params){.job = &job, .serial = 1 + is_short, .frame = 3, .image = &image},
+                &result, &error))
+            fail_msg("%s", error.message);
+        assert_true(result.quality.scatter_grid > 0);
+        assert_int_equal(result.audit.is_pooled, !is_short);
+        assert_true(is_short || result.audit.ray_count > 3 * 16 * 5);
+        assert_true(measure_error(&job, &image) <= fmin(1.25 * 0.05, result.audit.error95));
+        image_finish(&image);
+        job_finish(&job);
+    }
+    tolerance_destroy(tolerance);
+    gl_stage_close(stage);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(thin_air_has_no_light_grids),        cmocka_unit_test(a_grid_from_the_lights_is_looked_up),
-        cmocka_unit_test(a_stated_grid_is_filled_once),       cmocka_unit_test(a_white_ball_keeps_its_tolerance),
-        cmocka_unit_test(white_noise_keeps_its_tolerance),    cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
-        cmocka_unit_test(noise_over_a_floor_has_light_grids), cmocka_unit_test(endless_haze_keeps_its_tolerance),
+        cmocka_unit_test(thin_air_has_no_light_grids),
+        cmocka_unit_test(a_grid_from_the_lights_is_looked_up),
+        cmocka_unit_test(a_stated_grid_is_filled_once),
+        cmocka_unit_test(a_white_ball_keeps_its_tolerance),
+        cmocka_unit_test(white_noise_keeps_its_tolerance),
+        cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
+        cmocka_unit_test(noise_over_a_floor_has_light_grids),
+        cmocka_unit_test(endless_haze_keeps_its_tolerance),
+        cmocka_unit_test(frames_of_long_segments_share_their_samples),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
