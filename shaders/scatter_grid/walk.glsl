@@ -2,7 +2,7 @@
 // mean over a node's walks has no bias, whatever the grid. A walk that ends makes room for the next one, so that one
 // loop follows them all. Free flights and colours are those of integrator/delta.glsl.
 const int SCATTER_GRID_LAST_START = 4000;  // steps of a turn after which no walk begins
-const int SCATTER_GRID_TRIES = 256;        // parts without work that end a turn, so that no driver ends the loop
+const int SCATTER_GRID_TRIES = 256;        // parts without work, one after the other, that end a turn
 const float SCATTER_GRID_UNNEEDED = 2e6;   // alpha of nodes without media around: more than there are walks
 const float SCATTER_GRID_SEEN = 0.25;      // of what the best seen node has: one that has more has all walks
 const float SCATTER_GRID_LEAST = 0.03125;  // of all walks: what the camera hardly sees has so many
@@ -157,10 +157,11 @@ float scatter_part_begin(ScatterPart part, uint number, out ScatterWalk walk)
 }
 
 // Takes parts until there is something to do in one. False where there is none, or the turn is over.
-bool scatter_part_take(ivec3 size, out uint number, out ScatterPart part)
+bool scatter_part_take(ivec3 size, inout int turn, out uint number, out ScatterPart part)
 {
     uint parts = uint(size.x * size.y * size.z);
     for (int i = 0; i < SCATTER_GRID_TRIES; ++i) {
+        ++turn;
         number = cache_take();
         if (number >= parts) break;
         if (scatter_part_read(number, size, part)) return true;
@@ -180,7 +181,7 @@ void scatter_grid_fill(int most)
     uint taken = 0u, number = 0u, steps = 0u; // the part's number, that of the walk, and what is counted
     int turn = 0;
     while (goes || turn < SCATTER_GRID_LAST_START) {
-        if (!has_part) has_part = scatter_part_take(size, taken, part);
+        if (!has_part) has_part = scatter_part_take(size, turn, taken, part);
         if (!has_part) break;
         float share = 0.0;
         if (!goes) {
@@ -212,6 +213,10 @@ void scatter_grid_fill(int most)
     }
     atomicAdd(cache_sums[2], steps);
     if (!has_part) return;
+    if (goes) { // a driver ended the loop
+        imageStore(cache_image, part.texel, vec4(0.0, 0.0, 0.0, -1.0));
+        return;
+    }
     scatter_part_keep(part);
     cache_leave(taken);
 }

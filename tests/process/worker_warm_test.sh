@@ -121,7 +121,7 @@ submit_as()
     ask_as "$1" "$2" job.submit "{\"document\":$(job "$3" ".output.path = \"$4\" | .priority = $5")}" | jq '.result.id // empty'
 }
 
-long=$(submit_as "${ann[@]}" 1-60 ann/a.####.exr 50)
+long=$(submit_as "${ann[@]}" 1-300 ann/a.####.exr 50)
 wait_until "it is rendered" eval '[ "$(field "$long" .succeeded)" -gt 0 ]'
 own=$(ask worker.list | jq '.result.workers[0].pid')
 next=$(submit_as "${ann[@]}" 1-60 ann/b.####.exr 50)

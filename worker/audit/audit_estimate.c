@@ -97,8 +97,8 @@ static double light_over_frame(const struct moments *moments, double error)
     return fmin(fmax(estimate, fmax(1.0 - error, LEAST_LIGHT)), 1.0 + error);
 }
 
-// False where a square of the frame is larger than any of the pool's, or their mean is larger than chance would make
-// it.
+// False where a square of the frame is larger than any of the pool's, or twice as large where squares are random, or
+// their mean is larger than chance would make it.
 static bool is_like_pool(const struct audit_evidence *evidence, const struct moments *own)
 {
     double growth = growth_over_pool(evidence);

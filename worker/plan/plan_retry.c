@@ -18,7 +18,7 @@ static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after ea
 static const double DARK_DEPTH = 20.0;
 static const double SETTLED =
     0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at,
-static const double SCATTERED_SETTLED = 0.85; // and plan_scatter.c
+static const double SCATTERED_SETTLED = 0.85; // above order 1
 static const double TINY = 1e-12;             // an error of 0 has no logarithm
 
 static double find_work(const struct plan_retry *retry, const struct plan *plan, const struct plan_point *point)

@@ -304,9 +304,11 @@ static void predict(struct plan *plan, const struct plan_scatter *scatter, const
     plan->cells_square = finding->cells;
     plan->paths_square = fmax(finding->error * finding->error - finding->cells, 0.0);
     for (int i = 0; i < scouting->count; i++) {
-        double growth = middle > 0.0 && has_grid ? scouting->error[i] / middle : 1.0;
+        double growth = scouting->error[i] / fmax(middle, 1e-30);
+        double more = middle > 0.0 ? kept * sqrt(fmax(growth * growth - 1.0, 0.0))
+                                   : scouting->error[i] * scatter->truth.first_share;
 
-        scouting->error[i] = hypot(finding->error, kept * sqrt(fmax(growth * growth - 1.0, 0.0)));
+        scouting->error[i] = has_grid ? hypot(finding->error, more) : finding->error;
     }
 }
 

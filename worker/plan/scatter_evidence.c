@@ -24,7 +24,6 @@ enum { FRAMES_LEAST = 12 }; // fewer do not repay it
 static const double REFERENCE_SHARE = 0.5;
 
 struct measuring {
-    const struct plan *plan;
     const struct plan_params *params;
     struct plan_lattice lattice;
     struct job job;
@@ -38,7 +37,7 @@ static bool on_pixel(void *user)
     const struct measuring *measuring = user;
     const struct plan_params *params = measuring->params;
 
-    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : 1.0);
+    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : 0.0);
 }
 
 static bool measure_light(struct measuring *measuring, int32_t frame, double mean_square, struct truth_pixel *pixels)
@@ -57,7 +56,10 @@ static bool measure_light(struct measuring *measuring, int32_t frame, double mea
                                                               .on_progress = on_pixel,
                                                               .user = measuring});
     truth_close(truth);
-    if (measured == count) return true;
+    if (measured == count) {
+        *measuring->fault = RENDERER_FAULT_NONE;
+        return true;
+    }
     *measuring->fault = RENDERER_FAULT_STOPPED;
     error_set(measuring->error, "the frame was stopped");
     return false;
@@ -103,6 +105,7 @@ static bool measure_frame(struct measuring *measuring, int32_t frame)
 {
     const struct plan_lattice *lattice = &measuring->lattice;
     size_t count = plan_lattice_count(lattice);
+    size_t left = PLAN_JSON_SAMPLE_LIMIT - measuring->evidence->pool.samples.count; // lattices may have some too many
     struct truth_pixel *light = xcalloc(count, sizeof *light);
     struct image image = {0};
     struct renderer_result result;
@@ -116,7 +119,8 @@ static bool measure_frame(struct measuring *measuring, int32_t frame)
     if (ok && has_light(find_mean_square(&image))) {
         ok = measure_light(measuring, frame, find_mean_square(&image), light);
         if (ok)
-            scatter_evidence_add(&image, points, light, count, measuring->job.output.pixel, &measuring->evidence->pool);
+            scatter_evidence_add(&image, points, light, count < left ? count : left, measuring->job.output.pixel,
+                                 &measuring->evidence->pool);
     }
     free(points);
     free(light);
@@ -129,7 +133,7 @@ bool scatter_evidence_measure(const struct plan *plan, const struct plan_params 
 {
     const struct plan_segment *segment = &params->segment;
     struct measuring measuring = {
-        .plan = plan, .params = params, .evidence = evidence, .job = *params->job, .fault = fault, .error = error};
+        .params = params, .evidence = evidence, .job = *params->job, .fault = fault, .error = error};
     bool ok = true;
 
     if (plan->quality.scatter_grid == 0 || segment->count < FRAMES_LEAST) return true;

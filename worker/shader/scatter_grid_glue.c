@@ -169,7 +169,7 @@ static struct scene_cache cache_of(const struct scatter_grid *grid)
 // Walks from the nodes: each lane of a node is a part.
 static void lay_walks(struct scene_cache *cache, const struct scatter_grid *grid)
 {
-    static const int GROUPS_MOST = 4096; // at once: more than any GPU runs
+    static const int GROUPS_MOST = 4096; // at once
 
     cache->size[0] *= scatter_grid_lane_count(grid);
     cache->invocations[0] = SCENE_CACHE_GROUP_SIDE;

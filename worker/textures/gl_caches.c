@@ -228,6 +228,7 @@ static bool run_parts(const struct gl_caches *caches, struct kept_program *progr
         gl->DispatchCompute(1, (GLuint)program->rows, 1);
         gl->Finish();
         read_turn(caches, state, sizeof state);
+        if (state[0] == first) break; // nothing ran: GL is lost, which whoever draws with it finds out
         first = state[0] < state[1] ? state[0] : state[1];
         // The last turns, in which some find nothing to do, say little.
         if (state[0] < cache->part_count) program->rows = next_rows(program->rows, clock_now_s() - start, most);
