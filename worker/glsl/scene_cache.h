@@ -45,9 +45,9 @@ struct scene_cache {
     // `cache_is_unfinished` to 1. Invocations are the program's own: each may write any texels.
     bool takes_turns;
     // Not 0: there are so many parts of the work of a program that takes turns; it sets no `cache_is_unfinished`.
-    // Invocations, as many as the processors like, take one after the other by uint cache_take(), which returns a number
-    // that is not below `part_count` when all are taken. A turn ends where each gives back by cache_leave(number) what
-    // it has not done. `invocations` are the most that run at once.
+    // Invocations, as many as the processors like, take one after the other by uint cache_take(), whose numbers are not
+    // below `part_count` when all are taken. A turn ends where each gives back by cache_leave(number) what it has not
+    // done. `invocations` are the most that run at once.
     size_t part_count;
     // Whole numbers beside the texture, which begin as 0 and which the program adds to; the next cache reads them.
     size_t sum_count;
