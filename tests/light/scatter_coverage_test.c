@@ -173,8 +173,7 @@ static void fill_pool(const struct campaign *campaign, const struct sight *sight
     struct pixel points[PLAN_JSON_SAMPLE_LIMIT];
     struct truth_pixel light[PLAN_JSON_SAMPLE_LIMIT];
     struct truth *truth = open_truth(&sight->job, POOL_FRAME);
-    const struct integrate_accuracy accuracy = {.relative = 0.5 * sight->tolerance,
-                                                .floor = audit_map_floor(sqrt(find_power(sight)))};
+    const struct integrate_accuracy accuracy = audit_accuracy(sight->tolerance, find_power(sight));
     size_t count = 0;
     struct image image;
 

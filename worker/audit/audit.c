@@ -154,19 +154,23 @@ static void gather(const struct audit *audit, struct audit_pool *pool)
     if (audit->params->is_own && audit->map.change > pool->change) pool->change = audit->map.change;
 }
 
+struct integrate_accuracy audit_accuracy(double tolerance, double mean_square)
+{
+    double rms = sqrt(mean_square);
+
+    return (struct integrate_accuracy){.relative = fmin(fmax(REFERENCE_SHARE * tolerance, FINEST), COARSEST),
+                                       .floor = audit_map_floor(isfinite(rms) ? rms : 0.0)};
+}
+
 static void begin(struct audit *audit, const struct audit_params *params)
 {
-    double rms;
-
     *audit = (struct audit){.params = params, .start_s = clock_now_s()};
     audit_map_init(&audit->map, &(struct audit_map_params){.image = params->image,
                                                            .pixel = params->job->output.pixel,
                                                            .finer = params->finer,
                                                            .coarser = params->coarser,
                                                            .is_own = params->is_own});
-    rms = sqrt(audit->map.mean_square);
-    audit->accuracy.relative = fmin(fmax(REFERENCE_SHARE * params->tolerance, FINEST), COARSEST);
-    audit->accuracy.floor = audit_map_floor(isfinite(rms) ? rms : 0.0);
+    audit->accuracy = audit_accuracy(params->tolerance, audit->map.mean_square);
 }
 
 bool audit_frame(const struct audit_params *params, struct audit_result *result)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "reference/integrate.h"
 #include "worker/audit/audit_estimate.h"
 #include "worker/picture/audit_result.h"
 
@@ -56,6 +57,8 @@ struct audit_params {
     void *user;
 };
 
+// What audits of a frame with this mean square ask of the reference.
+struct integrate_accuracy audit_accuracy(double tolerance, double mean_square);
 // Measures pixels against the reference until the error is a standard error from the tolerance, or there are enough.
 // Their number follows from their values, never from a clock. A frame with a pool begins with few pixels.
 // If these differ from the pool, it goes on alone. False when on_progress or on_trace stopped it.

@@ -5,7 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/job/plan_json.h"
-#include "worker/audit/audit_map.h"
+#include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
@@ -14,14 +14,12 @@
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { FRAMES_LEAST = 12 }; // fewer do not repay it
-
-// The accuracy asked of reference/, relative to the tolerance: as audits ask it.
-static const double REFERENCE_SHARE = 0.5;
 
 struct measuring {
     const struct plan_params *params;
@@ -32,18 +30,10 @@ struct measuring {
     struct error *error;
 };
 
-static bool on_pixel(void *user)
-{
-    const struct measuring *measuring = user;
-    const struct plan_params *params = measuring->params;
-
-    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : 0.0);
-}
-
 static bool measure_light(struct measuring *measuring, int32_t frame, double mean_square, struct truth_pixel *pixels)
 {
-    const struct integrate_accuracy accuracy = {.relative = REFERENCE_SHARE * measuring->params->job->quality.tolerance,
-                                                .floor = audit_map_floor(sqrt(mean_square))};
+    const struct plan_params *params = measuring->params;
+    const struct integrate_accuracy accuracy = audit_accuracy(params->job->quality.tolerance, mean_square);
     size_t count = plan_lattice_count(&measuring->lattice), measured;
     struct truth *truth = truth_open(&(struct truth_params){.job = &measuring->job, .frame = frame}, measuring->error);
 
@@ -53,8 +43,8 @@ static bool measure_light(struct measuring *measuring, int32_t frame, double mea
                                                               .pixels = pixels,
                                                               .count = count,
                                                               .accuracy = &accuracy,
-                                                              .on_progress = on_pixel,
-                                                              .user = measuring});
+                                                              .on_progress = plan_small_on_pixel,
+                                                              .user = (void *)params});
     truth_close(truth);
     if (measured == count) {
         *measuring->fault = RENDERER_FAULT_NONE;

@@ -197,10 +197,11 @@ static bool is_too_coarse(const struct walk *walk, const struct scatter_setting 
 static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting,
                         const struct scatter_measured *measured)
 {
+    static const double DEARER = 1.42;
     double wanted = walk->search->target * walk->search->target;
     int paths = setting->path_rung + find_rungs(measured->noise, wanted, setting->path_rung);
 
-    return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > 1.42 * walk->finding.paths;
+    return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > DEARER * walk->finding.paths;
 }
 
 // Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
