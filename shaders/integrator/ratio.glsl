@@ -14,6 +14,7 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
     const float FAINT = 1e-5;
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
+    MediaRay ray = media_ray(entry, direction);
     float end = interval.y - interval.x;
     float least = method.samples / max(end, 1e-30);
     float at = march_resume(vec2(0.0), end, gathered).x;
@@ -23,7 +24,7 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
         // Rays that share a SIMD unit wait here for one another, so that all of them sample lights together.
         for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
             float edge = media_next_edge(ahead, at, end);
-            rate = media_rate(ahead, entry + at * direction, direction, at, least, edge);
+            rate = media_rate(ahead, ray, at, least, edge);
             float flight = tracking_flight(rate);
             if (at + flight >= edge) {
                 at = edge;

@@ -91,6 +91,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         walk_random_resume(walk.random);
     }
     MediaSpans spans = media_spans(walk.origin, walk.direction);
+    MediaRay ray = media_ray(walk.origin, walk.direction);
     WalkWall wall = walk_wall(walk.origin, walk.direction, walk.left);
     float end = min(min(media_interval(spans).y, interval.y), wall.at);
     float least = walk_least(end - max(media_interval(spans).x, interval.x)); // samples per metre
@@ -104,8 +105,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             float depth = -log(1.0 - walk_random()); // of the flight, among the majorant's particles
             for (int cells = 0; cells < WALK_CELLS && walk.at < end; ++cells) {
                 float edge = media_next_edge(spans, walk.at, end);
-                vec3 point = walk.origin + walk.at * walk.direction;
-                rate = media_rate(spans, point, walk.direction, walk.at, least, edge);
+                rate = media_rate(spans, ray, walk.at, least, edge);
                 float within = rate * (edge - walk.at);
                 if (depth < within) break;
                 depth -= within;
@@ -180,14 +180,14 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 walk.order = 0;
                 if (walk.path == 0) walk.depth = walk_depth(walk.depth, passes);
                 if (WALK_IS_LAYER && walk.path == count / 2) walk.passed = walk.light;
-                WalkRay ray = walk_start(walk.path);
-                vertex = ray.origin;
+                WalkRay next = walk_start(walk.path);
+                vertex = next.origin;
                 left = 0u;
-                ahead = ray.direction;
-                begin = ray.interval;
+                ahead = next.direction;
+                begin = next.interval;
                 behind = spectrum(1.0);
                 nearby = spectrum(0.0);
-                if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(ray, near, walk.light);
+                if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(next, near, walk.light);
             }
             bool is_near = spectrum_max(nearby) > 0.0;
             kind = is_near ? WALK_NEAR : WALK_ON;
@@ -201,6 +201,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             nearby = spectrum(0.0);
         }
         spans = media_spans(walk.origin, walk.direction);
+        ray = media_ray(walk.origin, walk.direction);
         vec2 stretch = media_interval(spans);
         walk.at = max(stretch.x, interval.x);
         wall = walk_wall(walk.origin, walk.direction, walk.left);

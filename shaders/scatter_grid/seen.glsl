@@ -15,7 +15,7 @@ bool scatter_grid_is_needed(vec3 node, vec3 cell)
         vec2 interval = media_interval(spans);
         float edge = interval.y;
         if (interval.x <= 0.0 && interval.y > 0.0 &&
-            (!SCATTER_GRID_SKIPS || media_rate(spans, place, AHEAD, 0.0, 0.0, edge) > 0.0))
+            (!SCATTER_GRID_SKIPS || media_rate(spans, media_ray(place, AHEAD), 0.0, 0.0, edge) > 0.0))
             return true;
     }
     return false;

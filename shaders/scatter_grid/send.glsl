@@ -11,6 +11,7 @@ struct ScatterSent {
     int light;
     int scatterings;
     MediaSpans spans;
+    MediaRay ray;
     vec2 media;      // the interval of these
     float at, end;   // along the flight
     float entry;     // where it enters the cells
@@ -47,6 +48,7 @@ void scatter_sent_turn(inout ScatterSent sent, vec3 position, vec3 direction, bo
     sent.position = position;
     sent.direction = direction;
     sent.spans = media_spans(position, direction);
+    sent.ray = media_ray(position, direction);
     sent.media = media_interval(sent.spans);
     sent.at = is_from_afar ? min(sent.media.x, 0.0) : 0.0;
     sent.entry = max(max(near.x, near.y), near.z);
@@ -87,7 +89,7 @@ float scatter_sent_fly(inout ScatterSent sent, float depth)
         if (sent.at < sent.clear)
             edge = min(edge, sent.clear);
         else
-            rate = media_rate(sent.spans, sent.position + sent.at * sent.direction, sent.direction, sent.at, 0.0, edge);
+            rate = media_rate(sent.spans, sent.ray, sent.at, 0.0, edge);
         bool is_inside = sent.at >= sent.entry;
         float side = min(min(sent.edges.x, sent.edges.y), sent.edges.z);
         edge = max(min(edge, is_inside ? side : sent.entry), sent.at);

@@ -2,6 +2,7 @@
 // mean over a node's walks has no bias, whatever the grid. A walk that ends makes room for the next one, so that one
 // loop follows them all. Free flights and colours are those of integrator/delta.glsl.
 const int SCATTER_GRID_LAST_START = 4000;  // steps of a turn after which no walk begins
+const int SCATTER_GRID_CELLS = 12;         // of a flight, one after the other
 const int SCATTER_GRID_TRIES = 256;        // parts without work, one after the other, that end a turn
 const float SCATTER_GRID_UNNEEDED = 2e6;   // alpha of nodes without media around: more than there are walks
 const float SCATTER_GRID_SEEN = 0.25;      // of what the best seen node has: one that has more has all walks
@@ -11,6 +12,8 @@ struct ScatterWalk {
     vec3 position, direction; // where the flight began, and where it looks
     Spectrum weight;
     MediaSpans spans;
+    MediaRay ray;
+    float share;   // of the majorant that holds on this flight
     float at, end; // along the flight
     float least;   // samples per metre
     int scatterings;
@@ -22,6 +25,8 @@ void scatter_walk_turn(inout ScatterWalk walk, vec3 position, vec3 direction)
     walk.position = position;
     walk.direction = direction;
     walk.spans = media_spans(position, direction);
+    walk.ray = media_ray(position, direction);
+    walk.share = walk_rate_share();
     vec2 interval = media_interval(walk.spans);
     walk.at = max(interval.x, 0.0);
     walk.end = interval.y;
@@ -29,14 +34,15 @@ void scatter_walk_turn(inout ScatterWalk walk, vec3 position, vec3 direction)
 }
 
 // Flies to the next particle of the majorant, `depth` of its optical depths away, cell by cell. Returns the particles
-// per metre there; 0 where the walk leaves the media before.
+// per metre there; 0 where the walk leaves the media before, or goes on: of a flight through more cells than most,
+// nothing is known but that, and walks that share a SIMD unit would wait for it.
 float scatter_walk_fly(inout ScatterWalk walk, float depth)
 {
-    while (walk.iterations < SCATTER_GRID_ITERATIONS && walk.at < walk.end) {
+    for (int cells = 0;
+         cells < SCATTER_GRID_CELLS && walk.iterations < SCATTER_GRID_ITERATIONS && walk.at < walk.end; ++cells) {
         ++walk.iterations;
         float edge = media_next_edge(walk.spans, walk.at, walk.end);
-        vec3 here = walk.position + walk.at * walk.direction;
-        float rate = walk_rate(walk.spans, here, walk.direction, walk.at, walk.least, edge);
+        float rate = walk.share * media_rate(walk.spans, walk.ray, walk.at, walk.least, edge);
         float within = rate * (edge - walk.at);
         if (depth < within) {
             walk.at += depth / rate;

@@ -4,10 +4,11 @@
 Spectrum transmittance_delta(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval)
 {
     Spectrum transmittance = spectrum(1.0);
+    MediaRay ray = media_ray(origin, direction);
     float at = interval.x;
     for (int iteration = 0; iteration < MARCH_LIMIT && at < interval.y; ++iteration) {
         float edge = media_column_next_edge(spans, at, interval.y);
-        float rate = media_column_rate(spans, origin + at * direction, direction, at, edge);
+        float rate = media_column_rate(spans, ray, at, edge);
         float flight = tracking_flight(rate);
         if (at + flight >= edge) {
             at = edge;

@@ -44,7 +44,7 @@ static void assert_unbiased(const struct bias_check_scene *scene, const double *
 
     assert_true(fabs(errors.sigmas) < 3.5);
     // Few bright values hold most of the variance, and colours share collisions.
-    assert_true(errors.chance > 0.4 && errors.chance < 1.9);
+    assert_true(errors.chance > 0.2 && errors.chance < 1.9);
     assert_true(errors.spread > 1e-3);
 }
 

@@ -118,8 +118,9 @@ static void write_most(FILE *out, const struct density_site *site)
 
     fprintf(
         out,
-        "float medium_%zu_most(vec3 p, vec3 direction, inout float extent)\n{\n"
-        "    float distance = medium_%zu_field(p);\n    float own = max(0.1 * medium_%zu_radius, -distance);\n"
+        "float medium_%zu_most(MediaRay ray, float at, inout float extent)\n{\n"
+        "    float distance = medium_%zu_field(ray.origin + at * ray.direction);\n    float own = max(0.1 * "
+        "medium_%zu_radius, -distance);\n"
         "    extent = min(extent, max(own, distance));\n    return medium_%zu_density(min(distance - own, 0.0));\n}\n",
         i, i, i, i);
 }

@@ -183,13 +183,14 @@ static void write_most(FILE *out, const struct density_site *site)
 
     fprintf(out,
             "layout(binding = %u) uniform sampler3D medium_%zu_majorants;\n"
-            "float medium_%zu_most(vec3 p, vec3 direction, inout float extent)\n{\n"
-            "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float own;\n"
-            "    float most = density_grid_majorant(medium_%zu_majorants, medium_%zu_grid(), at, direction, own);\n"
-            "    if (most <= 0.0) own = max(own, medium_%zu_skip(at, direction));\n    extent = min(extent, own);\n",
+            "DensityGridRay medium_%zu_ray(vec3 origin, vec3 direction)\n{\n"
+            "    return density_grid_ray(medium_%zu_grid(), origin, direction);\n}\n"
+            "float medium_%zu_most(MediaRay ray, float at, inout float extent)\n{\n    float own;\n"
+            "    float most = density_grid_majorant(medium_%zu_majorants, ray.medium_%zu, at, own);\n"
+            "    extent = min(extent, own);\n",
             texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, i, i, i, i);
     if (grid->point_count > 0)
-        fprintf(out, "    return transfer_extinction(most, medium_%zu_unit_distance);\n}\n", i);
+        fprintf(out, "    return transfer_extinction(max(most, 0.0), medium_%zu_unit_distance);\n}\n", i);
     else
         fprintf(out, "    return medium_%zu_scale * max(most, 0.0);\n}\n", i);
 }
@@ -206,5 +207,6 @@ const struct density_kind density_kind_grid = {
     .modules = modules,
     .write = write,
     .write_most = write_most,
+    .ray_type = "DensityGridRay",
     .majorant_module = "density/grid_majorant.glsl",
 };

@@ -71,12 +71,14 @@ struct density_kind {
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
     // It declares textures itself, at the medium's units (texture_units.h).
     void (*write)(FILE *out, const struct density_site *site);
-    // The next three are for tracking among majorants (scene_features.has_majorants).
+    // The next four are for tracking among majorants (scene_features.has_majorants).
     // Adds medium_I_majorant, an upper bound on the density before the bounds' falloff. NULL: there is write_most.
     void (*add_majorant)(struct frame_uniforms *uniforms, const struct density_site *site);
-    // Emits float medium_I_most(vec3 p, vec3 direction, inout float extent): an upper bound that holds for `extent`
-    // metres from p on, which it may shorten. NULL: medium_I_majorant holds everywhere.
+    // Emits float medium_I_most(MediaRay ray, float at, inout float extent): an upper bound that holds for `extent`
+    // metres along the ray from `at` on, which it may shorten. NULL: medium_I_majorant holds everywhere. Emits before
+    // TYPE medium_I_ray(vec3 origin, vec3 direction), which makes ray.medium_I.
     void (*write_most)(FILE *out, const struct density_site *site);
+    const char *ray_type;        // TYPE: what does not change along a ray; NULL: nothing is made
     const char *majorant_module; // that these and `write` need then; NULL: none
     // The rest is for kinds that may be baked (density_bake.h); else find_box is NULL.
     // Finds half the sides of a box around the bounds' centre that holds the medium throughout the job, along axes in

@@ -140,9 +140,7 @@ static void write_flights(FILE *out, const struct scene_model *model)
     write_sum(out, model, "depth", "column.medium_");
     fputs("    return exp(-depth);\n}\n"
           // Thinned as little as any medium is, among which each is.
-          "float walk_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n"
-          "    float rate = media_rate(spans, p, direction, at, least, edge), share = 0.0;\n"
-          "    if (!walk_is_similar) return rate;\n",
+          "float walk_rate_share()\n{\n    float share = 0.0;\n    if (!walk_is_similar) return 1.0;\n",
           out);
     for (size_t i = 0; i < model->features.medium_count; ++i) {
         const struct medium_features *medium = &model->features.media[i];
@@ -156,7 +154,7 @@ static void write_flights(FILE *out, const struct scene_model *model)
         else
             fputs("    share = 1.0;\n", out);
     }
-    fputs("    return rate * min(share, 1.0);\n}\n", out);
+    fputs("    return min(share, 1.0);\n}\n", out);
 }
 
 void scatter_similar_glue_write(FILE *out, const struct scene_model *model, const struct scatter_grid *grid)
@@ -168,8 +166,7 @@ void scatter_similar_glue_write(FILE *out, const struct scene_model *model, cons
             scatter_grid_is_similar(grid) ? grid->job->quality.similar_after : 0);
     if (!scatter_grid_is_similar(grid)) {
         fputs("Spectrum walk_extinction(MediaField field)\n{\n    return media_extinction(field);\n}\n"
-              "float walk_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n"
-              "    return media_rate(spans, p, direction, at, least, edge);\n}\n",
+              "float walk_rate_share()\n{\n    return 1.0;\n}\n",
               out);
         return;
     }

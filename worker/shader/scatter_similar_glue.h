@@ -12,7 +12,7 @@ struct scene_model;
 // Writes WALK_SIMILAR_AFTER, the scatterings behind which media are similar (0: never), and for flights that
 // shaders/scatter_grid/similar.glsl is to change:
 //   Spectrum walk_extinction(MediaField field)
-//   float walk_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)
+//   float walk_rate_share()        of media_rate, a majorant of that
 //   Spectrum walk_transmittance(MediaColumn column)
 // and, where media may be similar, for each that scatters:
 //   float medium_I_similar()                                 what is left of its scattering

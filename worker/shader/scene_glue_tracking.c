@@ -28,6 +28,28 @@ static void write_extinction(FILE *out, const struct scene_model *model)
     fputs("    return sum;\n}\n", out);
 }
 
+static const char *ray_type_of(const struct scene_model *model, size_t i)
+{
+    return model->features.media[i].is_seen ? density_kind_of(&scene_model_site(model, i).source->density)->ray_type
+                                            : NULL;
+}
+
+static void write_ray(FILE *out, const struct scene_model *model)
+{
+    fputs("struct MediaRay {\n    vec3 origin, direction;\n", out);
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        if (ray_type_of(model, i)) fprintf(out, "    %s medium_%zu;\n", ray_type_of(model, i), i);
+    fputs("};\n", out);
+}
+
+static void write_make_ray(FILE *out, const struct scene_model *model)
+{
+    fputs("MediaRay media_ray(vec3 origin, vec3 direction)\n{\n    return MediaRay(origin, direction", out);
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        if (ray_type_of(model, i)) fprintf(out, ", medium_%zu_ray(origin, direction)", i);
+    fputs(");\n}\n", out);
+}
+
 // Writes medium_I_most: a bound on the density, and for how far along the ray it holds.
 static void write_most(FILE *out, const struct scene_model *model, size_t i)
 {
@@ -38,7 +60,7 @@ static void write_most(FILE *out, const struct scene_model *model, size_t i)
         kind->write_most(out, &site);
     else
         fprintf(out,
-                "float medium_%zu_most(vec3 p, vec3 direction, inout float extent)\n{\n"
+                "float medium_%zu_most(MediaRay ray, float at, inout float extent)\n{\n"
                 "    return medium_%zu_majorant;\n}\n",
                 i, i);
 }
@@ -53,7 +75,7 @@ static void write_rate(FILE *out, const struct scene_model *model, choose_medium
         if (!choose(medium)) continue;
         fprintf(out,
                 "    if (span_has(spans.medium_%zu, at)) {\n"
-                "        float most = medium_%zu_most(p, direction, extent);\n"
+                "        float most = medium_%zu_most(ray, at, extent);\n"
                 "        is_there = is_there || most > 0.0;\n",
                 i, i);
         if (medium_features_have_column(medium)) fprintf(out, "        sum += medium_%zu_sigma_t * most;\n", i);
@@ -71,7 +93,7 @@ static void write_columns(FILE *out, const struct scene_model *model)
             fprintf(out, "    sum += medium_%zu_sigma_t * column.medium_%zu;\n", i, i);
     fputs("    return sum;\n}\n", out);
     if (!model->features.has_majorants) return;
-    fputs("float media_column_rate(MediaSpans spans, vec3 p, vec3 direction, float at, inout float edge)\n{\n", out);
+    fputs("float media_column_rate(MediaSpans spans, MediaRay ray, float at, inout float edge)\n{\n", out);
     write_rate(out, model, medium_features_march_to_lights);
     fputs("    return is_there ? spectrum_max(sum) : 0.0;\n}\n", out);
 }
@@ -82,11 +104,11 @@ void scene_glue_write_tracking(FILE *out, const struct scene_model *model)
 
     write_extinction(out, model);
     if (features->has_majorants) {
+        write_ray(out, model);
         for (size_t i = 0; i < features->medium_count; ++i)
             if (features->media[i].is_seen) write_most(out, model, i);
-        fputs(
-            "float media_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n",
-            out);
+        write_make_ray(out, model);
+        fputs("float media_rate(MediaSpans spans, MediaRay ray, float at, float least, inout float edge)\n{\n", out);
         write_rate(out, model, is_seen);
         fputs("    return is_there ? max(spectrum_max(sum), least) : 0.0;\n}\n", out);
     }

@@ -93,7 +93,7 @@ static void write_reach(FILE *out, const struct scene_model *model, size_t i)
                     "spans.medium_%zu.x);\n",
                     k, k, k);
     fprintf(out,
-            "    rate = media_rate(spans, light_%zu_position, vec3(1.0, 0.0, 0.0), 0.0, 0.0, edge);\n"
+            "    rate = media_rate(spans, media_ray(light_%zu_position, vec3(1.0, 0.0, 0.0)), 0.0, 0.0, edge);\n"
             "    walk_reach_%zu = walk_near_reach(extent, rate);\n",
             i, i);
 }

@@ -154,21 +154,37 @@ unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, doub
     return texture;
 }
 
+struct most {
+    gl_grid_find_most *find;
+    const void *user;
+};
+
+static bool is_nothing(double min, double max, const void *user)
+{
+    const struct most *most = user;
+
+    return most->find(min, max, most->user) <= 0;
+}
+
 unsigned gl_grid_create_majorants(const struct gl_grid *grid, double slope, double intercept,
                                   gl_grid_find_most *find_most, const void *user)
 {
     size_t count = count_bricks(grid);
     float *most = malloc(count * sizeof *most);
-    unsigned texture;
+    unsigned char *distances = malloc(count);
+    unsigned texture = 0;
 
-    if (!most) return 0;
+    if (!most || !distances) goto out;
+    grid_bricks_find_distances(&grid->bricks, slope, intercept, is_nothing, &(struct most){find_most, user}, distances);
     for (size_t i = 0; i < count; ++i) {
         double a = slope * (double)grid->bricks.bounds[i].min + intercept;
         double b = slope * (double)grid->bricks.bounds[i].max + intercept;
 
-        most[i] = (float)find_most(fmin(a, b), fmax(a, b), user);
+        most[i] = distances[i] > 0 ? -(float)distances[i] : (float)find_most(fmin(a, b), fmax(a, b), user);
     }
     texture = make_bricks(grid, GL_R32F, GL_FLOAT, most);
+out:
+    free(distances);
     free(most);
     return texture;
 }

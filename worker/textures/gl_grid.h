@@ -42,6 +42,7 @@ unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, doub
 
 // Returns the greatest density or opacity of values in [min, max].
 typedef double gl_grid_find_most(double min, double max, const void *user);
-// Creates the texture of each brick's majorant, for density_grid_majorant; 0: no memory. The caller deletes it.
+// Creates the texture of each brick's majorant, for density_grid_majorant; where that is 0, minus the distance to the
+// nearest brick that has one, as in gl_grid_create_distances. 0: no memory. The caller deletes it.
 unsigned gl_grid_create_majorants(const struct gl_grid *grid, double slope, double intercept,
                                   gl_grid_find_most *find_most, const void *user);
