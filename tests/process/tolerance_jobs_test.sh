@@ -24,7 +24,9 @@ check() {
 
 for name in $jobs; do
     frame=$(jq -r '.frames | split("-")[0]' "$name.json")
-    jq --arg path "pictures/$name.####.exr" '.resolution = [48, 27] | .output.path = $path' "$name.json" >"$name.small" &&
+    # A cloud of 2 % in few pixels takes half a minute.
+    jq --arg path "pictures/$name.####.exr" '.resolution = [48, 27] | .output.path = $path |
+        if .name == "cumulus" then .quality.tolerance = 0.05 else . end' "$name.json" >"$name.small" &&
         mv "$name.small" "$name.json"
     expect 0 march render "$name.json" --frames "$frame" --backend software
     [ "$got" = 0 ] || continue
@@ -33,7 +35,7 @@ for name in $jobs; do
     # shellcheck disable=SC2046,SC2086 # numbers; a job or none
     check "$name" $(exr-truth "pictures/$name.$(printf %04d "$frame").exr" $job)
 done
-for name in $compared cloud custom fog globe noise opaque scan smoke sunset translucent; do
+for name in $compared cloud cumulus custom fog globe noise opaque scan smoke sunset translucent; do
     [[ " $(tr '\n' ' ' <<<"$jobs") " == *" $name "* ]] || fail "$name states no tolerance"
 done
 [ "$failures" -eq 0 ]

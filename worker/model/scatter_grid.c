@@ -201,6 +201,20 @@ int scatter_grid_lane_count(const struct scatter_grid *grid)
     return scatter_grid_node_count(grid) * grid->group_count <= nodes_most ? 8 : 1;
 }
 
+int scatter_grid_light_cells(const struct scatter_grid *grid)
+{
+    static const int sizes[] = {48, 64, 96, 128, 192};
+    static const double slack = 1.1; // by which cells may be longer
+    double step_m = grid->inputs ? grid->inputs->quality.light_step : grid->job->quality.light_step;
+    double longest_m = grid->cell_m * grid->job->quality.scatter_grid;
+    size_t i = 0;
+
+    if (!(step_m > 0)) return sizes[0];
+    while (i + 1 < sizeof sizes / sizeof *sizes && sizes[i] * step_m * slack < longest_m)
+        i++;
+    return sizes[i];
+}
+
 bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error)
 {
     static const double limit = 512.0 * 1024 * 1024, texel = 16, sum = 8; // bytes

@@ -350,17 +350,17 @@ static bool add_grids(struct scene_program *program, const struct scene_model *m
 }
 
 // Returns the model of the walks that fill the grid of scattered light. Light from lights comes to them by light grids,
-// if necessary from their own, of `walk_cells` cells a side: sums of many walks have no use for finer ones.
+// if necessary from their own.
 static struct scene_model walked_model(struct scene_program *program)
 {
-    static const int walk_cells = 48;
     struct scene_model model;
     bool is_from_lights = program->scatter_grid->is_from_lights;
     struct job *job = program->walked = xmalloc(sizeof *program->walked);
     size_t marched = 0;
 
     *job = *program->model.job;
-    if (job->quality.method != JOB_METHOD_CACHED) job->quality.light_grid = walk_cells;
+    if (job->quality.method != JOB_METHOD_CACHED)
+        job->quality.light_grid = scatter_grid_light_cells(program->scatter_grid);
     job->quality.method = JOB_METHOD_TRACKING;
     job->quality.estimator = JOB_ESTIMATOR_RATIO;
     job->quality.roulette_below = 0;

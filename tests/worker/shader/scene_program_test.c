@@ -407,6 +407,30 @@ static void a_module_folder_overrides_what_it_has(void **state)
     release(&program, &job);
 }
 
+// The ball is 2 m wide. Walks have a grid of their own for each light, since midpoint marches to it.
+static void walks_see_as_much_detail_as_the_march(void **state)
+{
+    static const struct {
+        double light_step;
+        int cells;
+    } cases[] = {{0.5, 48}, {0.05, 48}, {0.03, 64}, {0.02, 96}, {0.001, 192}};
+    struct scene_program program;
+    struct job job;
+
+    (void)state;
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    job.scene.orders = SCENE_ORDERS_ALL;
+    job.quality.scatter_grid = 8;
+    job.quality.paths = 4;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        job.quality.light_step = cases[i].light_step;
+        assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
+        assert_int_equal(program.walked->quality.light_grid, cases[i].cells);
+        scene_program_finish(&program);
+    }
+    job_finish(&job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -429,6 +453,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_combination_of_features_is_valid_glsl, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(every_region_and_method_is_valid_glsl, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(walks_see_as_much_detail_as_the_march),
         cmocka_unit_test_setup_teardown(a_module_folder_overrides_what_it_has, temp_folder_create, temp_folder_destroy),
     };
 
