@@ -194,12 +194,11 @@ static bool is_too_coarse(const struct walk *walk, const struct scatter_setting 
 
 // True where the paths that the noise alone asks for cost more than what was found, by a rung: few paths do not know
 // it well.
-static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting,
-                        const struct scatter_measured *measured)
+static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting, double noise)
 {
     static const double DEARER = 1.42;
     double wanted = walk->search->target * walk->search->target;
-    int paths = setting->path_rung + find_rungs(measured->noise, wanted, setting->path_rung);
+    int paths = setting->path_rung + find_rungs(noise, wanted, setting->path_rung);
 
     return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > DEARER * walk->finding.paths;
 }
@@ -212,7 +211,7 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
 
     if (!measure(walk, setting, measured)) return false;
     while (isfinite(measured->noise) && measured->noise > wanted && !is_too_coarse(walk, setting, measured) &&
-           !is_too_dear(walk, setting, measured)) {
+           !is_too_dear(walk, setting, measured->noise)) {
         struct scatter_setting next = *setting;
         struct scatter_measured finer;
 
@@ -228,14 +227,20 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
     return true;
 }
 
+// The noise that all grids so far tell of one; 0: none was tried.
+static double find_usual_noise(const struct walk *walk, const struct scatter_setting *setting)
+{
+    double count = (double)scatter_paths_of(setting->path_rung) * scatter_grid_cells[setting->grid_rung];
+
+    return walk->noise_count > 0 ? walk->noise_sum / walk->noise_count / count : 0.0;
+}
+
 // Few nodes may have little noise by luck: what all grids tell counts as much as the one that is measured.
 static double find_noise(const struct walk *walk, const struct scatter_setting *setting,
                          const struct scatter_measured *measured)
 {
-    double count = (double)scatter_paths_of(setting->path_rung) * scatter_grid_cells[setting->grid_rung];
-
     if (setting->is_from_lights || walk->noise_count == 0) return measured->noise;
-    return fmax(measured->noise, 0.5 * (measured->noise + walk->noise_sum / walk->noise_count / count));
+    return fmax(measured->noise, 0.5 * (measured->noise + find_usual_noise(walk, setting)));
 }
 
 // Tries one grid, which is kept where it is the cheapest.
@@ -305,8 +310,9 @@ static int find_finer(const struct walk *walk, int grid_rung)
     return by > 1 ? by : 1;
 }
 
-// Finer grids from *rung on, until one keeps the target and the next costs more. *rung becomes the first that was not
-// tried.
+// Finer grids from *rung on, until one keeps the target and the next costs more. Beside paths of pixels none is tried
+// that its noise makes dearer: nodes grow with the third power of the cells, and their noise falls with the first.
+// *rung becomes the first that was not tried.
 static bool try_finer(struct walk *walk, int *rung)
 {
     for (;;) {
@@ -314,6 +320,7 @@ static bool try_finer(struct walk *walk, int *rung)
         struct scatter_measured measured;
 
         if (*rung >= SCATTER_GRID_RUNGS || !is_affordable(walk, &setting)) return true;
+        if (walk->is_dear && is_too_dear(walk, &setting, find_usual_noise(walk, &setting))) return true;
         if (!try_grid(walk, setting, &measured)) return false;
         *rung += find_finer(walk, setting.grid_rung);
         if (has_found_grid(walk) && walk->finding.setting.grid_rung < setting.grid_rung) return true;

@@ -144,6 +144,18 @@ static void what_cannot_be_cheaper_is_left_early(void **state)
 }
 
 // What chance may add to cells makes no grid finer than it must be.
+// Every grid costs more than paths of pixels by its noise, and those that may be tried first have too large cells.
+static void grids_that_are_dear_by_noise_have_no_finer_ones(void **state)
+{
+    struct terrain terrain = {.cells = 20.0, .noise = 40.0, .pixel_noise = 1.0, .seen = 1.0, .length = 8.0};
+    struct scatter_finding found = search_within(&terrain, 0.02, true, 5e5);
+
+    (void)state;
+    assert_true(found.is_found);
+    assert_int_equal(found.setting.grid_rung, SCATTER_PIXELS);
+    assert_int_equal(scatter_grid_cells[terrain.finest], 22); // the last before paths of pixels are tried
+}
+
 static void chance_is_not_taken_for_cells(void **state)
 {
     struct terrain terrain = {.cells = 1.0, .noise = 5.0, .pixel_noise = 1e3, .chance = 4e-3};
@@ -376,6 +388,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_found_keeps_the_target_and_is_cheap),
         cmocka_unit_test(what_cannot_be_cheaper_is_left_early),
+        cmocka_unit_test(grids_that_are_dear_by_noise_have_no_finer_ones),
         cmocka_unit_test(chance_is_not_taken_for_cells),
         cmocka_unit_test(chance_hides_no_noise),
         cmocka_unit_test(the_lights_fill_a_grid_where_that_costs_less),
