@@ -16,6 +16,7 @@ static const double FALL = 0.59460355750136051;                      // of an er
 static const double NOISE_FALL = 0.84089641525371454;                // of noise by a rung of paths: 2^(-0.5 / 2)
 static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, in units
 static const double DARK_DEPTH = 20.0;
+static const double HOPELESS = 2.0; // of the tolerance
 static const double SETTLED =
     0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at,
 static const double SCATTERED_SETTLED = 0.85; // above order 1
@@ -168,6 +169,17 @@ static bool refine_worst(const struct plan_retry *retry, const struct plan *plan
     return true;
 }
 
+// True where noise alone is expected to miss by far: how it falls is sure. A picture that may be published is as good
+// as it can be.
+static bool is_hopeless(const struct plan_retry *retry, const enum plan_axis *axes, const double *errors, int count)
+{
+    const struct job_quality *quality = &retry->scene.job->quality;
+
+    for (int i = 0; i < count && quality->on_miss == JOB_ON_MISS_FAIL; i++)
+        if (is_noise(axes[i]) && errors[i] > HOPELESS * quality->tolerance) return true;
+    return false;
+}
+
 bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error)
 {
@@ -185,7 +197,7 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
     // A rendering of which a miss is expected is a waste: this one may take what is left.
     while (sum_up(errors, count) > tolerance && refine_worst(retry, plan, &point, errors, all))
         moved = true;
-    if (!moved) return false;
+    if (!moved || is_hopeless(retry, axes, errors, count)) return false;
     set_point(retry, plan, &point);
     memcpy(changes, errors, sizeof errors);
     return true;

@@ -314,6 +314,27 @@ static void a_plan_of_scattered_light_knows_what_is_to_blame(void **state)
     close_stage(&stage);
 }
 
+// Eight times as many paths leave a third of the noise. Three times the tolerance is worth a try, eight times is not.
+static void paths_that_cannot_do_are_not_traced(void **state)
+{
+    struct stage stage;
+    struct plan plan;
+
+    (void)state;
+    open_ordered(&stage, JOB_METHOD_PATHS, (struct plan_point){.rungs = {20}}, 3);
+    for (int publishes = 0; publishes < 2; publishes++) {
+        double mild[PLAN_AXIS_LIMIT] = {0.03}, hopeless[PLAN_AXIS_LIMIT] = {0.08};
+
+        stage.job.quality.on_miss = publishes ? JOB_ON_MISS_PUBLISH : JOB_ON_MISS_FAIL;
+        plan = stage.plan;
+        assert_true(plan_retry_refine(&stage.retry, &plan, mild, 0.03));
+        plan = stage.plan;
+        assert_int_equal(plan_retry_refine(&stage.retry, &plan, hopeless, 0.08), publishes);
+        assert_true(publishes == (plan.point.rungs[0] > stage.plan.point.rungs[0]));
+    }
+    close_stage(&stage);
+}
+
 static void later_frames_of_scattered_light_stay_near_the_tolerance(void **state)
 {
     struct stage stage;
@@ -346,6 +367,7 @@ int main(void)
         cmocka_unit_test(later_frames_are_no_finer_than_needed),
         cmocka_unit_test(a_plan_that_is_as_fine_as_needed_stays),
         cmocka_unit_test(a_plan_of_scattered_light_knows_what_is_to_blame),
+        cmocka_unit_test(paths_that_cannot_do_are_not_traced),
         cmocka_unit_test(later_frames_of_scattered_light_stay_near_the_tolerance),
     };
 
