@@ -204,13 +204,15 @@ int scatter_grid_lane_count(const struct scatter_grid *grid)
 int scatter_grid_light_cells(const struct scatter_grid *grid)
 {
     static const int sizes[] = {48, 64, 96, 128, 192};
-    static const double slack = 1.1; // by which cells may be longer
+    static const double slack = 1.1;                                                   // by which cells may be longer
+    size_t light_count = grid->job->scene.light_count, most = (size_t)192 * 192 * 192; // of all lights' cells
     double step_m = grid->inputs ? grid->inputs->quality.light_step : grid->job->quality.light_step;
     double longest_m = grid->cell_m * grid->job->quality.scatter_grid;
     size_t i = 0;
 
     if (!(step_m > 0)) return sizes[0];
-    while (i + 1 < sizeof sizes / sizeof *sizes && sizes[i] * step_m * slack < longest_m)
+    while (i + 1 < sizeof sizes / sizeof *sizes && sizes[i] * step_m * slack < longest_m &&
+           light_count * (size_t)(sizes[i + 1] * sizes[i + 1] * sizes[i + 1]) <= most)
         i++;
     return sizes[i];
 }

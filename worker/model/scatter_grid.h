@@ -54,7 +54,8 @@ size_t scatter_grid_node_count(const struct scatter_grid *grid);
 // How many invocations share the walks of a node, so that those beside each other have as many: 1 where nodes are many.
 int scatter_grid_lane_count(const struct scatter_grid *grid);
 // The cells a side of the lights' grids that walks have where a frame has none: about as long as its steps towards
-// lights, so that walks see as much detail as the march does. Few sizes, 48 to 192: programs have them as constants.
+// lights, so that walks see as much detail as the march does; 48 without such steps. All lights' together have no more
+// cells than one of 192 has. Few sizes, 48 to 192: programs have them as constants.
 int scatter_grid_light_cells(const struct scatter_grid *grid);
 // Fails, naming quality.scatter_grid, where the grid and what fills it take more than 512 MiB.
 bool scatter_grid_check_size(const struct scatter_grid *grid, struct error *error);

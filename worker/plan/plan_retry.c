@@ -197,7 +197,7 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
     // A rendering of which a miss is expected is a waste: this one may take what is left.
     while (sum_up(errors, count) > tolerance && refine_worst(retry, plan, &point, errors, all))
         moved = true;
-    if (!moved || is_hopeless(retry, axes, errors, count)) return false;
+    if (!moved || (isfinite(error) && is_hopeless(retry, axes, errors, count))) return false;
     set_point(retry, plan, &point);
     memcpy(changes, errors, sizeof errors);
     return true;

@@ -310,9 +310,9 @@ static int find_finer(const struct walk *walk, int grid_rung)
     return by > 1 ? by : 1;
 }
 
-// Finer grids from *rung on, until one keeps the target and the next costs more. Beside paths of pixels none is tried
-// that its noise makes dearer: nodes grow with the third power of the cells, and their noise falls with the first.
-// *rung becomes the first that was not tried.
+// Finer grids from *rung on, until one keeps the target and the next costs more. Where something dear is known, none is
+// tried that its noise makes dearer: nodes grow with the third power of the cells, and their noise falls with the
+// first. *rung becomes the first that was not tried.
 static bool try_finer(struct walk *walk, int *rung)
 {
     for (;;) {

@@ -143,7 +143,6 @@ static void what_cannot_be_cheaper_is_left_early(void **state)
     assert_int_equal(terrain.finest_rung, 8); // with which each grid begins
 }
 
-// What chance may add to cells makes no grid finer than it must be.
 // Every grid costs more than paths of pixels by its noise, and those that may be tried first have too large cells.
 static void grids_that_are_dear_by_noise_have_no_finer_ones(void **state)
 {
@@ -156,6 +155,7 @@ static void grids_that_are_dear_by_noise_have_no_finer_ones(void **state)
     assert_int_equal(scatter_grid_cells[terrain.finest], 22); // the last before paths of pixels are tried
 }
 
+// What chance may add to cells makes no grid finer than it must be.
 static void chance_is_not_taken_for_cells(void **state)
 {
     struct terrain terrain = {.cells = 1.0, .noise = 5.0, .pixel_noise = 1e3, .chance = 4e-3};
