@@ -40,11 +40,11 @@
 // Seeds of frames are fixed: a test that passes once passes always.
 static void assert_unbiased(const struct bias_check_scene *scene, const double *truth)
 {
-    struct bias_check_errors errors = bias_check_measure(scene, truth, 256);
+    struct bias_check_errors errors = bias_check_measure(scene, truth, 1024);
 
     assert_true(fabs(errors.sigmas) < 3.5);
-    // Few bright values hold most of the variance, and colours share collisions: right ones had 0.3 to 1.8.
-    assert_true(errors.chance > 0.2 && errors.chance < 1.9);
+    // Few bright values hold most of the variance, and colours share collisions.
+    assert_true(errors.chance > 0.4 && errors.chance < 1.9);
     assert_true(errors.spread > 1e-3);
 }
 

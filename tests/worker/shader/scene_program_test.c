@@ -428,7 +428,7 @@ static void walks_see_as_much_detail_as_the_march(void **state)
         assert_int_equal(program.walked->quality.light_grid, cases[i].cells);
         scene_program_finish(&program);
     }
-    // The next frame has two lights, whose grids together are no larger.
+    // Grids of two lights together are no larger than that of one.
     job.scene.lights[1] = job.scene.lights[0];
     job.scene.light_count = 2;
     assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
