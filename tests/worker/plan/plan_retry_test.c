@@ -323,7 +323,7 @@ static void paths_that_cannot_do_are_not_traced(void **state)
     (void)state;
     open_ordered(&stage, JOB_METHOD_PATHS, (struct plan_point){.rungs = {20}}, 3);
     for (int publishes = 0; publishes < 2; publishes++) {
-        double mild[PLAN_AXIS_LIMIT] = {0.03}, hopeless[PLAN_AXIS_LIMIT] = {0.08};
+        double mild[PLAN_AXIS_LIMIT] = {0.03}, hopeless[PLAN_AXIS_LIMIT] = {0.08}, unknown[PLAN_AXIS_LIMIT] = {0.0};
 
         stage.job.quality.on_miss = publishes ? JOB_ON_MISS_PUBLISH : JOB_ON_MISS_FAIL;
         plan = stage.plan;
@@ -331,6 +331,8 @@ static void paths_that_cannot_do_are_not_traced(void **state)
         plan = stage.plan;
         assert_int_equal(plan_retry_refine(&stage.retry, &plan, hopeless, 0.08), publishes);
         assert_true(publishes == (plan.point.rungs[0] > stage.plan.point.rungs[0]));
+        plan = stage.plan;
+        assert_true(plan_retry_refine(&stage.retry, &plan, unknown, INFINITY)); // nothing is known of it
     }
     close_stage(&stage);
 }
