@@ -56,7 +56,7 @@ k.0050.exr" ] || fail "after a killed worker: $(ls killed)"
 # After an interrupt no worker and no part file is left.
 march render "$cloud" $stated --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
 pid=$!
-until ls stopped/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
+until set -- stopped/*.part; [ -e "$1" ] || ! kill -0 "$pid"; do sleep 0.005; done
 worker=$(cat "/proc/$pid/task/$pid/children")
 kill -TERM "$pid"
 wait "$pid"
