@@ -42,6 +42,8 @@ static const struct setup SETUPS[] = {
     {"1000 .99 .99", EVEN, FAR_LAMP, 1000, 0.99, 0.99},   {"1000 white .5", EVEN, FAR_LAMP, 1000, 1, 0.5},
     {"inside .9 .9", EVEN, LAMP_INSIDE, 10, 0.9, 0.9},    {"inside .9 .5", EVEN, LAMP_INSIDE, 10, 0.9, 0.5},
     {"inside white .95", EVEN, LAMP_INSIDE, 20, 1, 0.95}, {"noise .99 .85", NOISE, SUN, 40, 0.99, 0.85},
+    {"20 white -.9", EVEN, FAR_LAMP, 20, 1, -0.9},        {"inside .9 -.9", EVEN, LAMP_INSIDE, 10, 0.9, -0.9},
+    {"20 white -.8", EVEN, FAR_LAMP, 20, 1, -0.8},        {"inside .9 -.5", EVEN, LAMP_INSIDE, 10, 0.9, -0.5},
     {"dome white .85", EVEN, SKY, 100, 1, 0.85},          {"cumulus", NULL, NULL, 0, 0, 0},
 };
 

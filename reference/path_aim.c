@@ -48,13 +48,15 @@ static double find_depth(const struct path_scene *scene, const struct ray *way, 
     return depth;
 }
 
-// A vertex that turns to the lamp more easily sends more.
+// A vertex that turns more easily to where second paths go sends more: to the lamp, and where media scatter backward,
+// away from it.
 static double find_chance(const struct path_vertex *vertex, struct vec3 way, double depth)
 {
+    struct vec3 on = vertex->turn > 1.0 ? vec3_scale(way, -1.0) : way;
     double beyond = depth - vertex->aim_vertices, fallen = beyond > 0.0 ? exp(-beyond / FALL) : 1.0;
 
     if (beyond > DEEPEST) return 0.0;
-    return fallen * fmin(fmax(4.0 * M_PI * path_vertex_scatter(vertex, way), LEAST_CHANCE), 1.0);
+    return fallen * fmin(fmax(4.0 * M_PI * path_vertex_scatter(vertex, on), LEAST_CHANCE), 1.0);
 }
 
 void path_aim_look(struct path_aim *aim, const struct path_scene *scene, const struct path_vertex *vertex)

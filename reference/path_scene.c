@@ -39,18 +39,22 @@ static double phase_variance(const struct medium *medium)
     return sum;
 }
 
+// Negative where the narrowest lobe scatters backward.
 static double narrowest_g(const struct medium *medium)
 {
-    double most = 0.0;
+    double narrowest = 0.0;
 
-    for (size_t i = 0; i < medium->lobe_count; i++)
-        most = fmax(most, g_of(&medium->lobes[i]));
-    return most;
+    for (size_t i = 0; i < medium->lobe_count; i++) {
+        double g = g_of(&medium->lobes[i]);
+
+        if (fabs(g) > fabs(narrowest)) narrowest = g;
+    }
+    return narrowest;
 }
 
 static int count_aim_vertices(const struct medium *medium)
 {
-    double most = narrowest_g(medium);
+    double most = fabs(narrowest_g(medium));
 
     if (most <= SPREAD_G || phase_variance(medium) < NARROW) return 0;
     return (int)fmin(round(log(SPREAD_G) / log(most)), PATH_AIM_VERTICES);
@@ -174,7 +178,7 @@ static void add_medium(struct path_scene *scene, const struct medium *medium)
     added->glows = glows(medium);
     added->turn = mean_turn(medium);
     added->g = narrowest_g(medium);
-    if (added->g >= WIDE_G && (!scene->narrow || scene->narrow->g < added->g)) scene->narrow = added;
+    if (fabs(added->g) >= WIDE_G && (!scene->narrow || fabs(scene->narrow->g) < fabs(added->g))) scene->narrow = added;
     added->aim_vertices = count_aim_vertices(medium);
     majorant_init(&added->majorant, &medium->density);
     if (!added->glows || !(added->majorant.most > 0.0)) return;
