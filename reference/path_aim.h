@@ -3,8 +3,8 @@
 // A vertex sees a lamp brightly only if its path flies along the lamp's light, into which a narrow lobe rarely turns.
 // So some vertices send a second path whose first direction is drawn by the phase about a lamp, and which looks for
 // that lamp alone at its next few vertices. Where media scatter backward, it begins away from the lamp: the next vertex
-// turns the light back. What vertices see of a lamp counts by the balance heuristic over all ways in which they may have
-// been found: Veach and Guibas, SIGGRAPH 1995.
+// turns the light back. What vertices see of a lamp counts by the balance heuristic over all ways in which they may
+// have been found: Veach and Guibas, SIGGRAPH 1995.
 #pragma once
 
 #include "reference/path_light.h"

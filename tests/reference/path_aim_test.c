@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
-// Narrow lobes in two media of which one has a second lobe, above a floor; a sun, a sphere and a point, by turns. `side`:
-// 1 for lobes ahead, -1 for lobes that turn back.
+// Narrow lobes in two media of which one has a second lobe, above a floor; a sun, a sphere and a point, by turns.
+// `side`: 1 for lobes ahead, -1 for lobes that turn back.
 static void fill_narrow_media(struct still *still, int lamp, double side)
 {
     const struct material matt = solid_diffuse(0.7);
