@@ -31,8 +31,8 @@ static double turn_share(double g, double turn)
     return atan2((1.0 + g) * sin(0.5 * turn), (1.0 - g) * cos(0.5 * turn)) * M_2_PI;
 }
 
-// An angle between the two, from what is beside the lamp. Every other one is drawn more often where a narrow lobe turns
-// light less.
+// An angle between the two, from what is beside the lamp. Every other one is drawn more often where a narrow lobe sends
+// light.
 static double draw_angle(double first, double last, const struct path_medium *lobe, struct stream *stream,
                          double *density)
 {

@@ -12,9 +12,9 @@ static const double REACH_DEPTH = 4.0, SPOT_DEPTH = 8.0;
 static const double WIDEST_REACH = 0x1p40; // m
 
 // The least relative variance of what a phase shows of a lamp, over all directions, that is worth second paths: by
-// noise at equal time. A single lobe has it from a g of 0.82 on.
+// noise at equal time. A single lobe has it from a g of 0.82 on, or of -0.82.
 static const double NARROW = 15.0;
-// From this g on connections near lamps follow the lobes, too: by noise at equal time.
+// From this g on, forward or backward, connections near lamps follow the lobes, too: by noise at equal time.
 static const double WIDE_G = 0.3;
 // Scattered so often that a lobe's g becomes this one, light may as well be found by chance.
 static const double SPREAD_G = 0.5;

@@ -6,6 +6,7 @@ scratch=$(mktemp -d)
 socket=$scratch/sock
 daemon_pid=
 as_daemon=() # what marchd is started with
+rest=$'[^\n]*' # of a line, in a regular expression
 patience_s=600 # a guard against what never happens, not a measure: machines are slow and busy
 export XDG_CONFIG_HOME=$scratch/config # a daemon reads no settings of whoever runs the test
 
@@ -143,7 +144,7 @@ submit()
     local answer
 
     answer=$(ask job.submit "{\"document\":$1,\"paused\":${2:-false}}")
-    [[ $answer =~ \"result\":\{\"id\":([0-9]+) ]] || fail "submit: $answer"
+    [[ $answer =~ ^\{\"jsonrpc\":\"2\.0\",\"id\":1,\"result\":\{\"id\":([0-9]+)$rest\}\}$ ]] || fail "submit: $answer"
     echo "${BASH_REMATCH[1]}"
 }
 
@@ -204,7 +205,7 @@ expect_error()
 {
     local code message
 
-    if [[ $1 =~ \"error\":\{\"code\":(-?[0-9]+),\"message\":\"([^\"\\]*)\" ]]; then
+    if [[ $1 =~ ^\{\"jsonrpc\":\"2\.0\",\"id\":[^,{]*,\"error\":\{\"code\":(-?[0-9]+),\"message\":\"([^\"\\]*)\"$rest\}\}$ ]]; then
         code=${BASH_REMATCH[1]} message=${BASH_REMATCH[2]}
     else
         code=$(jq '.error.code' <<<"$1") message=$(jq -r '.error.message' <<<"$1")

@@ -133,7 +133,7 @@ static void vertices_send_them_where_they_turn_easily(void **state)
     assert_float_equal(find_chance(-0.9, -1.0), 0.1, 1e-12);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(second_paths_change_no_light),
@@ -141,5 +141,6 @@ int main(void)
         cmocka_unit_test(vertices_send_them_where_they_turn_easily),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

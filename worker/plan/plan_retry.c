@@ -35,7 +35,7 @@ void plan_retry_init(struct plan_retry *retry, const struct job *job, const stru
     size_t pixels = image ? (size_t)image->width_px * (size_t)image->height_px : 0, hits = 0;
     size_t stride = pixels / PLAN_RETRY_DEPTHS + 1, seen = 0;
 
-    *retry = (struct plan_retry){0};
+    *retry = (struct plan_retry){.tried = 1u << plan->family};
     plan_scene_init(&retry->scene, job);
     if (!image) retry->depths[hits++] = (float)(seen = 1);
     for (size_t i = 0; i < pixels; i += stride, seen++) {
@@ -242,15 +242,16 @@ static bool enter_family(const struct plan_retry *retry, const struct plan *plan
     return false;
 }
 
-bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan)
+bool plan_retry_change_family(struct plan_retry *retry, struct plan *plan)
 {
     for (size_t step = 1; step < plan_family_count; step++) {
         size_t family = (plan->family + step) % plan_family_count;
         struct plan entered;
 
-        if (!plan_family_serves(&plan_families[family], &retry->scene)) continue;
+        if ((retry->tried >> family) % 2 == 1 || !plan_family_serves(&plan_families[family], &retry->scene)) continue;
         if (!enter_family(retry, plan, family, &entered)) continue;
         *plan = entered;
+        retry->tried |= 1u << family;
         return true;
     }
     return false;

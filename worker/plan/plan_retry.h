@@ -23,6 +23,7 @@ struct plan_retry {
     double first_work, spent_work; // per pixel; the work that is spent is without the first rendering
     double unit_work;              // per pixel; the limits are multiples of it
     int count;                     // of renderings after the first
+    unsigned tried;                // families, a bit each: the first rendering's, and those moved to
 };
 
 // Counts the rays of the first rendering, which was made with `plan`. Where that has no image (NULL), one of optical
@@ -53,9 +54,9 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
 // Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.
 // False when nothing can be coarser.
 bool plan_retry_shorten(const struct plan_retry *retry, struct plan *plan, int rungs);
-// Moves to the next family that serves the scene, with the same rungs where they are within the allowance, else coarser
-// ones. False when there is none.
-bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan);
+// Moves to the next family that serves the scene and was not tried, with the same rungs where they are within the
+// allowance, else coarser ones. False when there is none.
+bool plan_retry_change_family(struct plan_retry *retry, struct plan *plan);
 
 // Turns a plan that keeps the tolerance into the one for later frames. Where it is finer than needed, it moves back
 // towards `missed`, a plan of the same family that does not keep it, to the rungs at which 0.65 of the tolerance is to

@@ -29,6 +29,8 @@
 static const double GAIN = 0.7;
 // Above this share of a frame's error, most of its square is what interpolation adds: that is to blame.
 static const double BLAMED = 0.71;
+// Up to this share of the tolerance an error is no setting's fault: where it is not sure, more pixels are looked at.
+static const double FINE = 0.5;
 
 struct tolerance {
     struct renderer *renderer; // borrowed
@@ -248,9 +250,9 @@ static bool change_family(struct rendering *rendering, struct plan *plan)
     return plan_retry_change_family(&rendering->retry, plan);
 }
 
-static bool choose_shorter(const struct rendering *rendering, struct plan *plan)
+static bool choose_shorter(struct rendering *rendering, struct plan *plan)
 {
-    const struct plan_retry *retry = &rendering->retry;
+    struct plan_retry *retry = &rendering->retry;
     bool is_cut = rendering->result->render.fault == RENDERER_FAULT_ENDLESS;
 
     return (is_cut && retry->count + 1 < PLAN_RETRY_LIMIT && plan_retry_shorten(retry, plan, 1 + retry->count)) ||
@@ -325,7 +327,11 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
     struct plan_retry *retry = &rendering->retry;
     double error_before = INFINITY;
     struct plan plan = *first;
+    bool is_sure = rendering->result->audit.error <= FINE * rendering->params->job->quality.tolerance;
 
+    if (is_sure && is_within_surely(rendering, first)) return true;
+    if (is_sure && renderer_fault_is_final(rendering->result->render.fault)) return false;
+    rendering->is_only = false;
     plan_retry_init(retry, rendering->params->job, rendering->is_cut ? NULL : rendering->params->image, first);
     if (!keep_if_best(rendering, first) || (!rendering->is_cut && !find_changes(rendering, first))) return false;
     memcpy(rendering->best.changes, rendering->changes, sizeof rendering->changes);
@@ -350,7 +356,7 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
         }
         if (!keep_if_best(rendering, &plan)) return false;
     }
-    if (retry->count == 0) {
+    if (retry->count == 0 && !is_sure) {
         if (is_within_surely(rendering, first)) return true;
         if (renderer_fault_is_final(rendering->result->render.fault) || !keep_if_best(rendering, first)) return false;
     }

@@ -247,6 +247,25 @@ static void the_next_family_is_as_fine_where_that_is_allowed(void **state)
     close_stage(&stage);
 }
 
+// A picture by the same settings would be the same picture.
+static void no_family_is_tried_twice(void **state)
+{
+    struct stage stage;
+    bool tried[64] = {false};
+    int count = 0;
+
+    (void)state;
+    open_stage(&stage, JOB_METHOD_GAUSS, (struct plan_point){.rungs = {6, 6, 3}});
+    tried[stage.plan.family] = true;
+    for (struct plan plan = stage.plan; plan_retry_change_family(&stage.retry, &plan); plan = stage.plan) {
+        assert_false(tried[plan.family]);
+        tried[plan.family] = true;
+        assert_true(++count < 64);
+    }
+    assert_true(count >= 2);
+    close_stage(&stage);
+}
+
 static void later_frames_are_no_finer_than_needed(void **state)
 {
     struct stage stage;
@@ -366,6 +385,7 @@ int main(void)
         cmocka_unit_test(small_pictures_cost_little),
         cmocka_unit_test(an_axis_is_varied_towards_less_work),
         cmocka_unit_test(the_next_family_is_as_fine_where_that_is_allowed),
+        cmocka_unit_test(no_family_is_tried_twice),
         cmocka_unit_test(later_frames_are_no_finer_than_needed),
         cmocka_unit_test(a_plan_that_is_as_fine_as_needed_stays),
         cmocka_unit_test(a_plan_of_scattered_light_knows_what_is_to_blame),
