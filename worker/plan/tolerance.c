@@ -99,7 +99,7 @@ struct rendering {
     struct plan_kept *kept;
     struct tolerance_result *result;
     struct error *error;
-    bool is_only;   // no other setting is left to try: its audit goes on until it is sure
+    bool is_asked;  // no setting is to blame, or none is left to try: the audit goes on until it is sure
     bool is_finer;  // or otherwise not what the plan's samples were measured in: its audit shares them with no frame
     bool is_cut;    // a rendering needed longer loops than GL runs: none is finer from then on
     double seconds; // of all renderings so far
@@ -144,7 +144,8 @@ static bool audit(const struct rendering *rendering, const struct plan *plan)
                                                  .kept = rendering->kept,
                                                  .plan = plan,
                                                  .is_finer = rendering->is_finer,
-                                                 .is_replaceable = rendering->retry.count == 0 && !rendering->is_only &&
+                                                 .is_replaceable = rendering->retry.count == 0 &&
+                                                                   !rendering->is_asked &&
                                                                    !rendering->params->repeated},
                            &result->audit, &result->render.fault, rendering->error);
 }
@@ -313,12 +314,16 @@ static bool miss(struct rendering *rendering)
     return false;
 }
 
-// Audits the first rendering anew, as the only one that there is. False where it is over the tolerance.
+// Audits the first rendering anew, by more pixels. False where it is over the tolerance.
 static bool is_within_surely(struct rendering *rendering, const struct plan *first)
 {
+    bool is_known;
+
     if (rendering->result->audit.kind != AUDIT_REFERENCE) return false;
-    rendering->is_only = true;
-    return audit(rendering, first) && is_within(rendering);
+    rendering->is_asked = true;
+    is_known = audit(rendering, first);
+    rendering->is_asked = false;
+    return is_known && is_within(rendering);
 }
 
 // `found` becomes the plan that keeps the tolerance, if one does.
@@ -327,11 +332,10 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
     struct plan_retry *retry = &rendering->retry;
     double error_before = INFINITY;
     struct plan plan = *first;
-    bool is_sure = rendering->result->audit.error <= FINE * rendering->params->job->quality.tolerance;
+    bool is_fine = rendering->result->audit.error <= FINE * rendering->params->job->quality.tolerance;
 
-    if (is_sure && is_within_surely(rendering, first)) return true;
-    if (is_sure && renderer_fault_is_final(rendering->result->render.fault)) return false;
-    rendering->is_only = false;
+    if (is_fine && is_within_surely(rendering, first)) return true;
+    if (is_fine && renderer_fault_is_final(rendering->result->render.fault)) return false;
     plan_retry_init(retry, rendering->params->job, rendering->is_cut ? NULL : rendering->params->image, first);
     if (!keep_if_best(rendering, first) || (!rendering->is_cut && !find_changes(rendering, first))) return false;
     memcpy(rendering->best.changes, rendering->changes, sizeof rendering->changes);
@@ -356,7 +360,7 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
         }
         if (!keep_if_best(rendering, &plan)) return false;
     }
-    if (retry->count == 0 && !is_sure) {
+    if (retry->count == 0 && !is_fine) {
         if (is_within_surely(rendering, first)) return true;
         if (renderer_fault_is_final(rendering->result->render.fault) || !keep_if_best(rendering, first)) return false;
     }
