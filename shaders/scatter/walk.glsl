@@ -21,6 +21,8 @@ const int WALK_LIMIT = 3 * WALK_TURNS; // a flight to a light may go on to so ma
 const float WALK_FAINT = 0.1; // of a light's contribution: less of it ends at random
 const float WALK_WEAK = 0.25; // of a path's beginning: less of it ends at random
 
+uint walk_steps = 0u; // that were taken here, as walks from nodes count theirs
+
 Walk walk_none(int passes)
 {
     return Walk(spectrum(0.0), spectrum(0.0), vec2(0.0), -passes - 1, 0, vec3(0.0), vec3(0.0, 0.0, 1.0), FAR_AWAY,
@@ -101,9 +103,11 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         WalkVertex met;
         // Rays that share a SIMD unit wait here for one another, so that they turn together.
         for (int flights = 0; flights < WALK_FLIGHTS && (walk.at < end || goes_near); ++flights) {
+            ++walk_steps;
             float rate = 0.0;
             float depth = -log(1.0 - walk_random()); // of the flight, among the majorant's particles
             for (int cells = 0; cells < WALK_CELLS && walk.at < end; ++cells) {
+                ++walk_steps;
                 float edge = media_next_edge(spans, walk.at, end);
                 rate = media_rate(spans, ray, walk.at, least, edge);
                 float within = rate * (edge - walk.at);

@@ -119,6 +119,31 @@ static void a_list_has_the_pixels_of_the_frame(void **state)
     close_stage(&whole);
 }
 
+static double count_steps(const char *quality)
+{
+    const struct bias_check_scene scene = {
+        .media = NOISE, .lights = SUN, .orders = "\"all\"", .quality = quality, .background = ""};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
+    double steps;
+
+    render(&stage, 5);
+    steps = stage.result.steps;
+    close_stage(&stage);
+    return steps;
+}
+
+// Each path flies at least once, in however many slices, and all of a number are alike in the mean.
+static void steps_of_paths_are_counted(void **state)
+{
+    double few = count_steps(PATHS("50")), many = count_steps(PATHS("500"));
+
+    (void)state;
+    print_message("%.1f and %.1f steps of a path\n", few / 50 / (BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX),
+                  many / 500 / (BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX));
+    assert_true(few >= 50 * 0.5 * BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX);
+    assert_true(fabs(many / few - 10.0) < 1.0);
+}
+
 // Renders a picture, and what a plan looks at. Returns the share of the lit values that are the same in both.
 static double share_alike(const char *quality)
 {
@@ -281,6 +306,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_the_same_picture_for_all),
         cmocka_unit_test(a_list_has_the_pixels_of_the_frame),
+        cmocka_unit_test(steps_of_paths_are_counted),
         cmocka_unit_test(a_plan_draws_other_paths),
         cmocka_unit_test(thick_white_media_come_to_an_end),
         cmocka_unit_test(the_thickest_white_media_lose_no_light),

@@ -144,7 +144,22 @@ typedef bool render_of_lattice(const struct plan_lattice *lattice, const struct 
                                const struct job *job, int32_t frame, struct image *image,
                                struct renderer_result *result, struct error *error);
 
-// `measured`, unless it is NULL, gets the walks that the picture took from the nodes of its grid.
+// Particles from the lights have no counter: the scenes where nothing else fills a grid count them by what one takes.
+static void count_walks(const struct plan_scatter *scatter, const struct plan *plan,
+                        const struct renderer_result *result, struct scatter_measured *measured)
+{
+    const struct job_quality *quality = &plan->quality;
+    bool has_grid = quality->method != JOB_METHOD_PATHS;
+
+    measured->walks = has_grid ? result->walks : (double)quality->paths * (double)pixel_count(scatter);
+    measured->usual_walks = result->steps / SCATTER_USUAL_STEPS;
+    if (has_grid && result->walks == 0.0 && !plan->point.is_from_lights) {
+        measured->walks = pow(quality->scatter_grid, 3.0) * quality->paths;
+        measured->usual_walks = SCATTER_PARTICLE * measured->walks;
+    }
+}
+
+// `measured`, unless it is NULL, gets the walks of the picture: from the nodes of its grid, or of its pixels.
 static bool render(struct plan_scatter *scatter, const struct plan *plan, const struct scatter_frame *frame,
                    render_of_lattice *draw, struct image *image, struct scatter_measured *measured)
 {
@@ -157,10 +172,7 @@ static bool render(struct plan_scatter *scatter, const struct plan *plan, const 
     ok = draw(&scatter->truth.lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
     scatter_progress_count_picture(&scatter->truth.progress);
     scatter->fault = result.fault;
-    if (measured) {
-        measured->walks = result.walks;
-        measured->usual_walks = result.steps / SCATTER_USUAL_STEPS;
-    }
+    if (measured) count_walks(scatter, plan, &result, measured);
     return ok;
 }
 
@@ -360,6 +372,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
         finding = scatter_search_run(
             &(struct scatter_search){.target = (frames < MANY ? SHARE : SHARE_OF_MANY) * job->quality.tolerance,
                                      .pixels = (double)job->width_px * job->height_px * job->quality.samples,
+                                     .frames = frames,
                                      .has_grid = has_grid,
                                      .may_choose = may_choose(job),
                                      .path_max = PATHS_MOST * fmin(fmax(frames / MANY, 1.0), MORE_MOST),

@@ -21,6 +21,8 @@ static const double GRID_PART = 0.5;
 static const double STEEPEST = 4.0;
 // That by which it mostly falls, and the standard deviation of what this foretells, relative to it.
 static const double USUAL = 2.5, USUAL_SPREAD = 0.5;
+// Chance that hides cells, in squares of the target.
+static const double UNSURE = 4.0;
 static const double PICTURES = 2.0; // of a measurement
 // Paths of a frame below which another way to fill the grid does not repay its linking and its trial.
 static const double CHOICE_LEAST = 3e5;
@@ -38,10 +40,13 @@ struct walk {
     bool is_dear;  // no grid was found cheaply
     // What the last grid tells of its nodes, had these a cube: the share whose walks are made, times their length.
     double share;
-    double length; // of a walk, relative to the usual one
+    double length;       // of a walk, relative to the usual one
+    double pixel_length; // of a path of a pixel; as that of walks until it is known
+    bool is_pixel_known, has_tried_pixels;
     // The finest grid whose cells alone were too much; 0 cells: none yet.
     int coarse_rung;
     double coarse_cells;
+    bool is_coarse_sure;
     // The noise of one path of each node, times the number of cells along a side, as pixels see nodes along a ray: the
     // largest of all grids that were tried, and their sum.
     double noise, noise_sum;
@@ -51,7 +56,7 @@ struct walk {
 // The number of paths of one rung 0, in walks.
 static double nodes_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels * walk->length;
+    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels * walk->pixel_length;
     return pow(scatter_grid_cells[setting->grid_rung], 3.0) *
            (setting->is_from_lights ? SCATTER_PARTICLE * walk->length : walk->share);
 }
@@ -59,7 +64,7 @@ static double nodes_of(const struct walk *walk, const struct scatter_setting *se
 static double trial_of(const struct walk *walk, const struct scatter_setting *setting)
 {
     double nodes =
-        setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * walk->length : nodes_of(walk, setting);
+        setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * walk->pixel_length : nodes_of(walk, setting);
 
     return PICTURES * nodes * scatter_paths_of(setting->path_rung);
 }
@@ -71,10 +76,14 @@ static bool measure(struct walk *walk, const struct scatter_setting *setting, st
         walk->finding.is_stopped = true;
         return false;
     }
-    if (measured->walks > 0.0) {
+    if (measured->walks > 0.0 && setting->grid_rung == SCATTER_PIXELS) {
+        walk->pixel_length = measured->usual_walks / measured->walks;
+        walk->is_pixel_known = true;
+    } else if (measured->walks > 0.0) {
         walk->share = measured->usual_walks /
                       (pow(scatter_grid_cells[setting->grid_rung], 3.0) * scatter_paths_of(setting->path_rung));
         walk->length = measured->usual_walks / measured->walks;
+        if (!walk->is_pixel_known) walk->pixel_length = walk->length;
     }
     return true;
 }
@@ -164,6 +173,7 @@ static void note_grid(struct walk *walk, const struct scatter_setting *setting, 
     if (cells <= CELLS_SHARE * wanted) return;
     walk->coarse_rung = setting->grid_rung;
     walk->coarse_cells = cells;
+    walk->is_coarse_sure = measured->chance <= UNSURE * wanted;
 }
 
 // Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
@@ -192,15 +202,64 @@ static bool is_too_coarse(const struct walk *walk, const struct scatter_setting 
     return measured->cells > wanted + measured->noise || found.cells - found.spread > CELLS_SHARE * wanted;
 }
 
-// True where the paths that the noise alone asks for cost more than what was found, by a rung: few paths do not know
-// it well.
+// True where the paths that the noise alone asks for save nothing beside what was found: a grid with them is measured
+// by two pictures, which its frames have to repay. Few paths do not know the noise well: a rung more is allowed.
 static bool is_too_dear(const struct walk *walk, const struct scatter_setting *setting, double noise)
 {
     static const double DEARER = 1.42;
     double wanted = walk->search->target * walk->search->target;
+    double frames = walk->search->frames, most = DEARER * walk->finding.paths * frames / (frames + PICTURES);
     int paths = setting->path_rung + find_rungs(noise, wanted, setting->path_rung);
 
-    return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > DEARER * walk->finding.paths;
+    return walk->finding.is_found && nodes_of(walk, setting) * scatter_paths_of(paths) > most;
+}
+
+static const struct scatter_setting first_pixels = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST};
+
+// Paths of pixels have noise alone, which follows from all paths that were traced. Few of them may miss what is bright
+// and rare: a second measurement has four times as many, unless they are far dearer than a grid that was found.
+static bool try_pixels(struct walk *walk)
+{
+    static const double LEAST = 0.5;
+    struct scatter_setting setting = first_pixels;
+    struct scatter_measured coarse, fine;
+    double noise, wanted = walk->search->target * walk->search->target;
+    int by;
+
+    walk->has_tried_pixels = true;
+    if (!measure(walk, &setting, &coarse)) return false;
+    if (isinf(coarse.noise)) return true;
+    noise = coarse.noise;
+    by = find_rungs(LEAST * noise, wanted, setting.path_rung);
+    if (has_found_grid(walk) &&
+        nodes_of(walk, &setting) * scatter_paths_of(setting.path_rung + by) > walk->finding.paths)
+        return true;
+    setting.path_rung += FOURFOLD;
+    if (is_affordable(walk, &setting)) {
+        if (!measure(walk, &setting, &fine)) return false;
+        if (isfinite(fine.noise)) noise = fmax((0.25 * coarse.noise + 4.0 * fine.noise) / 1.25, LEAST * coarse.noise);
+    }
+    setting.path_rung = PIXEL_PATHS_FIRST;
+    by = find_rungs(noise, wanted, setting.path_rung);
+    setting.path_rung += by;
+    keep(walk, &setting, 0.0, noise * exp2(-0.5 * by));
+    return true;
+}
+
+// Before a grid is measured that takes more than a look at paths of pixels, these are: they say what is too dear.
+static bool know_pixels(struct walk *walk, const struct scatter_setting *setting)
+{
+    return walk->has_tried_pixels || trial_of(walk, setting) <= trial_of(walk, &first_pixels) || try_pixels(walk);
+}
+
+// Whether paths of pixels may be cheaper than the grid that was found, by more than it takes to know: they cannot be
+// fewer than one each.
+static bool may_pixels_save(const struct walk *walk)
+{
+    static const double SHORTEST = 0.125; // of a path of a pixel, relative to walks, which may begin deeper inside
+    double most = walk->finding.paths - walk->search->pixels * SHORTEST * walk->length;
+
+    return !has_found_grid(walk) || most * walk->search->frames > trial_of(walk, &first_pixels);
 }
 
 // Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
@@ -219,6 +278,8 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
         while (next.path_rung > setting->path_rung && !is_affordable(walk, &next))
             next.path_rung--;
         if (next.path_rung == setting->path_rung) break;
+        if (!know_pixels(walk, &next)) return false;
+        if (is_too_dear(walk, setting, measured->noise)) break;
         if (!measure(walk, &next, &finer)) return false;
         if (isinf(finer.noise)) break;
         *setting = next;
@@ -243,6 +304,17 @@ static double find_noise(const struct walk *walk, const struct scatter_setting *
     return fmax(measured->noise, 0.5 * (measured->noise + find_usual_noise(walk, setting)));
 }
 
+// False where the cells' part is lost in chance. Such a grid is chosen only where paths of pixels, which have no cells,
+// cannot be had: a picture that misses costs more than one that is dear.
+static bool has_sure_cells(const struct walk *walk, const struct scatter_setting *setting,
+                           const struct scatter_measured *measured)
+{
+    double wanted = walk->search->target * walk->search->target;
+    struct estimate found = find_cells(walk, setting, measured);
+
+    return measured->chance <= UNSURE * wanted || (walk->is_coarse_sure && found.spread <= UNSURE * wanted);
+}
+
 // Tries one grid, which is kept where it is the cheapest.
 static bool try_grid(struct walk *walk, struct scatter_setting setting, struct scatter_measured *measured)
 {
@@ -252,6 +324,12 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
     if (isinf(measured->noise)) return true;
     cells = find_cells(walk, &setting, measured).cells;
     if (!setting.is_from_lights) note_grid(walk, &setting, measured, cells);
+    // Its cells are not known where it was left early.
+    if (measured->noise > wanted && is_too_dear(walk, &setting, measured->noise)) return true;
+    if (cells <= CELLS_SHARE * wanted && !has_sure_cells(walk, &setting, measured)) {
+        if (!walk->has_tried_pixels && !try_pixels(walk)) return false;
+        if (walk->finding.is_found) return true;
+    }
     noise = find_noise(walk, &setting, measured);
     if (cells <= CELLS_SHARE * wanted) {
         int by = find_rungs(noise, wanted - cells, setting.path_rung);
@@ -261,31 +339,6 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
     } else {
         keep(walk, &setting, cells, noise);
     }
-    return true;
-}
-
-// Paths of pixels have noise alone, which follows from all paths that were traced. Few of them may miss what is bright
-// and rare: a second measurement has four times as many.
-static bool try_pixels(struct walk *walk)
-{
-    static const double LEAST = 0.5;
-    struct scatter_setting setting = {.grid_rung = SCATTER_PIXELS, .path_rung = PIXEL_PATHS_FIRST};
-    struct scatter_measured coarse, fine;
-    double noise, wanted = walk->search->target * walk->search->target;
-    int by;
-
-    if (!measure(walk, &setting, &coarse)) return false;
-    if (isinf(coarse.noise)) return true;
-    noise = coarse.noise;
-    setting.path_rung += FOURFOLD;
-    if (is_affordable(walk, &setting)) {
-        if (!measure(walk, &setting, &fine)) return false;
-        if (isfinite(fine.noise)) noise = fmax((0.25 * coarse.noise + 4.0 * fine.noise) / 1.25, LEAST * coarse.noise);
-    }
-    setting.path_rung = PIXEL_PATHS_FIRST;
-    by = find_rungs(noise, wanted, setting.path_rung);
-    setting.path_rung += by;
-    keep(walk, &setting, 0.0, noise * exp2(-0.5 * by));
     return true;
 }
 
@@ -320,7 +373,8 @@ static bool try_finer(struct walk *walk, int *rung)
         struct scatter_measured measured;
 
         if (*rung >= SCATTER_GRID_RUNGS || !is_affordable(walk, &setting)) return true;
-        if (walk->is_dear && is_too_dear(walk, &setting, find_usual_noise(walk, &setting))) return true;
+        if (!know_pixels(walk, &setting)) return false;
+        if (walk->has_tried_pixels && is_too_dear(walk, &setting, find_usual_noise(walk, &setting))) return true;
         if (!try_grid(walk, setting, &measured)) return false;
         *rung += find_finer(walk, setting.grid_rung);
         if (has_found_grid(walk) && walk->finding.setting.grid_rung < setting.grid_rung) return true;
@@ -345,9 +399,7 @@ static bool try_ways(struct walk *walk)
     int rung = GRID_FIRST;
 
     if (walk->search->has_grid && !try_finer(walk, &rung)) return false;
-    // Pixels cannot need fewer paths than one each.
-    if (!has_found_grid(walk) || walk->finding.paths > walk->search->pixels * walk->length)
-        if (!try_pixels(walk)) return false;
+    if (!walk->has_tried_pixels && may_pixels_save(walk) && !try_pixels(walk)) return false;
     if (!walk->search->has_grid) return true;
     if (has_found_grid(walk)) return try_coarser(walk);
     guess_grid(walk, rung);
@@ -377,7 +429,8 @@ struct scatter_finding scatter_search_run(const struct scatter_search *search)
                                     .paths = INFINITY},
                         .least = INFINITY,
                         .share = 1.0,
-                        .length = 1.0};
+                        .length = 1.0,
+                        .pixel_length = 1.0};
 
     if (try_ways(&walk)) (void)try_lights(&walk);
     return walk.finding;

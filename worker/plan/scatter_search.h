@@ -32,13 +32,15 @@ struct scatter_measured {
     double cells;  // what no number of paths changes; may be negative by chance
     double chance; // of `cells`: a standard error
     double noise;  // a variance over the number of paths; INFINITY where the setting cannot be rendered
-    // Of one picture, from the nodes of a grid: walks, and these as if each were of usual length. 0: not counted.
+    // Of one picture: walks from the nodes of a grid or paths of pixels, and these as if each were of a walk's usual
+    // length. 0: not counted.
     double walks, usual_walks;
 };
 
 struct scatter_search {
     double target;      // the relative RMSE to keep
     double pixels;      // of a frame, times their samples
+    double frames;      // that what is found serves
     bool has_grid;      // else only pixels have paths
     bool may_choose;    // a grid may be filled from the lights or from its nodes
     double path_max;    // paths of usual length that may be traced for all measurements together

@@ -236,7 +236,7 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
 
         gl_slices_open(slices);
         draw(drawing, tile);
-        done = (int64_t)gl_slices_close(slices);
+        done = (int64_t)gl_slices_close(slices, &drawing->steps);
         left -= done;
         if (done > 0) idle = 0;
         if (!drawing_check_gl(drawing, error)) return false;

@@ -49,6 +49,7 @@ struct drawing {
     drawing_progress *on_progress;     // may be NULL
     void *user;
     double done;                  // share of the frame, in [0, 1]
+    double steps;                 // that random paths took
     struct kept_program *program; // set by drawing_find_program
     // The fault is set whenever a function here returns false.
     enum renderer_fault fault;

@@ -21,7 +21,8 @@ struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback
     int64_t cache_fills;                          // caches that it filled; the others were up to date
-    double walks, steps;                          // random walks that these took from nodes of a grid; their steps
+    double walks;                                 // random walks that these took from nodes of a grid
+    double steps;                                 // of these walks, or of pixels' random paths
     bool is_copy;                                 // not rendered: the frame before has the same inputs
     const char *shader_hash;                      // borrowed from the renderer until the next call
     char picture_hash[HASH_TEXT_SIZE];            // as renderer_hash_picture makes it

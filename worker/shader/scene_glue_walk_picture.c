@@ -2,6 +2,7 @@
 #include "worker/shader/scene_glue_walk_picture.h"
 
 #include "core/job/job.h"
+#include "worker/glsl/walk_count.h"
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_light.h"
 
@@ -17,8 +18,13 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
           "layout(rgba32ui, binding = 1) uniform uimage2D slice_passed;\n"
           "layout(rgba32ui, binding = 2) uniform uimage2D slice_origin;\n"
           "layout(rgba32ui, binding = 4) uniform uimage2D slice_direction;\n"
-          "layout(rgba32ui, binding = 5) uniform uimage2D slice_weight;\n"
-          "const uint WALK_IS_DONE = 0xffffffffu;\n"
+          "layout(rgba32ui, binding = 5) uniform uimage2D slice_weight;\n",
+          out);
+    fprintf(out,
+            "layout(std430, binding = %d) buffer WalkTaken { uint walk_taken; };\n"
+            "const uint WALK_STEPS = %uu; // that count as one\n",
+            WALK_COUNT_BUFFER, WALK_COUNT_STEPS);
+    fputs("const uint WALK_IS_DONE = 0xffffffffu;\n"
           "bool walk_load(inout Walk walk, int passes)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
           "    uvec4 light = imageLoad(slice_light, place);\n"
           "    if (light.w == 0u) return true;\n    if (light.w == WALK_IS_DONE) return false;\n"
@@ -36,6 +42,7 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
             "    return true;\n}\n",
             spectrum, spectrum, spectrum);
     fputs("void walk_store(Walk walk, int passes, bool is_done)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
+          "    atomicAdd(walk_taken, (walk_steps + uint(place.x) % WALK_STEPS) / WALK_STEPS);\n"
           "    if (walk.path < 0) walk.order = int(walk.depth.y);\n"
           "    uint marks = is_done ? WALK_IS_DONE : (uint(walk.path + passes + 1) << 10u) | uint(min(walk.order, "
           "1023));\n"

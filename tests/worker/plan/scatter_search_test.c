@@ -21,13 +21,14 @@ struct terrain {
     int measured;
     double traced;
     int finest;      // that was measured
-    int finest_rung; // of its paths
     int few;         // cells; 0: 16
     int most_of_few; // the largest rung of paths of at most so many cells
     bool is_chance_known;
     double lights_noise; // of particles from the lights, relative to walks; 0: there is no choice
     int lights_measured;
     double seen, length; // the share of nodes whose walks are made, and their length over the usual one; 0: not counted
+    double pixel_length; // of paths of pixels; 0: not counted
+    double frames;       // 0: a million
 };
 
 // A factor of 0.5 to 1.7 or so, 1 in the mean: the mean of four exponential numbers.
@@ -64,7 +65,6 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
     if (grid_rung >= 0 && scatter_grid_cells[grid_rung] <= (terrain->few ? terrain->few : 16) &&
         path_rung > terrain->most_of_few)
         terrain->most_of_few = path_rung;
-    if (grid_rung >= terrain->finest) terrain->finest_rung = path_rung;
     if (grid_rung > terrain->finest) terrain->finest = grid_rung;
     terrain->traced +=
         2.0 * (grid_rung == SCATTER_PIXELS ? 64.0 : pow(scatter_grid_cells[grid_rung], 3.0)) * exp2(0.5 * path_rung);
@@ -76,6 +76,10 @@ static bool measure(void *user, const struct scatter_setting *setting, struct sc
         measured->walks = terrain->seen * pow(scatter_grid_cells[grid_rung], 3.0) * exp2(0.5 * path_rung);
         measured->usual_walks = terrain->length * measured->walks;
     }
+    if (terrain->pixel_length > 0.0 && grid_rung == SCATTER_PIXELS) {
+        measured->walks = 64.0 * exp2(0.5 * path_rung);
+        measured->usual_walks = terrain->pixel_length * measured->walks;
+    }
     return ++terrain->measured != terrain->stop_after;
 }
 
@@ -83,6 +87,7 @@ static struct scatter_finding search_within(struct terrain *terrain, double targ
 {
     return scatter_search_run(&(struct scatter_search){.target = target,
                                                        .pixels = PIXELS,
+                                                       .frames = terrain->frames > 0.0 ? terrain->frames : 1e6,
                                                        .has_grid = has_grid,
                                                        .may_choose = terrain->lights_noise > 0.0,
                                                        .path_max = path_max,
@@ -128,8 +133,8 @@ static void what_is_found_keeps_the_target_and_is_cheap(void **state)
         }
 }
 
-// Grids that the noise alone makes dearer than what was found get no paths to tell their cells by. What is found knows
-// how much of its error is cells.
+// Grids that the noise alone makes dearer than what was found are not tried. What is found knows how much of its error
+// is cells.
 static void what_cannot_be_cheaper_is_left_early(void **state)
 {
     struct terrain terrain = {.cells = 4.0, .noise = 5.0, .pixel_noise = 1e3};
@@ -139,8 +144,7 @@ static void what_cannot_be_cheaper_is_left_early(void **state)
     (void)state;
     assert_true(found.is_found);
     assert_float_equal(found.cells, cells, 0.1 * cells);
-    assert_true(terrain.finest > found.setting.grid_rung);
-    assert_int_equal(terrain.finest_rung, 8); // with which each grid begins
+    assert_int_equal(terrain.finest, found.setting.grid_rung);
 }
 
 // Every grid costs more than paths of pixels by its noise, and those that may be tried first have too large cells.
@@ -152,7 +156,7 @@ static void grids_that_are_dear_by_noise_have_no_finer_ones(void **state)
     (void)state;
     assert_true(found.is_found);
     assert_int_equal(found.setting.grid_rung, SCATTER_PIXELS);
-    assert_int_equal(scatter_grid_cells[terrain.finest], 22); // the last before paths of pixels are tried
+    assert_int_equal(scatter_grid_cells[terrain.finest], 16); // the last before paths of pixels are tried
 }
 
 // What chance may add to cells makes no grid finer than it must be.
@@ -234,11 +238,68 @@ static void long_walks_cost_what_they_take(void **state)
 {
     struct terrain usual = {.cells = 4.0, .noise = 25.0, .pixel_noise = 60.0, .seen = 1.0, .length = 1.0};
     struct terrain longer = usual;
-    struct scatter_finding found = search_within(&usual, 0.01, true, 6e7);
+    struct scatter_finding found = search_within(&usual, 0.01, true, 6e7), dear;
 
     longer.length = 30.0;
-    assert_true(search_within(&longer, 0.01, true, 6e7).paths > 10.0 * found.paths);
-    assert_true(longer.traced < 0.2 * usual.traced);
+    dear = search_within(&longer, 0.01, true, 6e7);
+    assert_true(dear.paths > 10.0 * found.paths);
+    assert_true(longer.length * longer.traced < dear.paths);
+    (void)state;
+}
+
+// Paths of pixels may be much shorter than walks that begin deep inside, and cost what they take.
+static void short_paths_of_pixels_are_chosen(void **state)
+{
+    struct terrain alike = {.cells = 4.0, .noise = 25.0, .pixel_noise = 60.0, .seen = 1.0, .length = 8.0};
+    struct terrain shorter = alike;
+    struct scatter_finding found = search(&alike, 0.01, true);
+
+    alike.pixel_length = 8.0;
+    shorter.pixel_length = 0.1;
+    assert_true(found.setting.grid_rung >= 0);
+    assert_true(search(&alike, 0.01, true).setting.grid_rung >= 0);
+    found = search(&shorter, 0.01, true);
+    assert_int_equal(found.setting.grid_rung, SCATTER_PIXELS);
+    assert_true(fabs(found.paths - 0.1 * cost_of(SCATTER_PIXELS, found.setting.path_rung)) < 1e-2 * found.paths);
+    (void)state;
+}
+
+// The first grid is not measured well where its noise alone makes it dearer than paths of pixels.
+static void a_noisy_grid_is_left_for_pixels(void **state)
+{
+    struct terrain terrain = {.cells = 0.1, .noise = 4000.0, .pixel_noise = 1.0};
+
+    assert_int_equal(search(&terrain, 0.02, true).setting.grid_rung, SCATTER_PIXELS);
+    assert_int_equal(terrain.most_of_few, 8); // with which each grid begins
+    (void)state;
+}
+
+// A grid whose cells are lost in chance is not taken for a good one where pixels can have paths, however dear.
+static void what_chance_hides_is_not_trusted(void **state)
+{
+    struct terrain hidden = {
+        .cells = 0.1, .noise = 5.0, .pixel_noise = 100.0, .chance = 2.5e-3, .is_chance_known = true};
+    struct terrain known = hidden;
+
+    known.chance = 1e-4;
+    assert_int_equal(search(&hidden, 0.02, true).setting.grid_rung, SCATTER_PIXELS);
+    assert_true(search(&known, 0.02, true).setting.grid_rung >= 0);
+    hidden.pixel_noise = 1e9;
+    assert_true(search(&hidden, 0.02, true).setting.grid_rung >= 0);
+    (void)state;
+}
+
+// A trial that takes as long as it saves is left out where only one frame has it.
+static void trials_are_repaid_by_frames(void **state)
+{
+    struct terrain many = {.cells = 12.0, .noise = 25.0, .pixel_noise = 100.0}, one = many;
+    struct scatter_finding dear, cheap = search(&many, 0.01, true);
+
+    one.frames = 1.0;
+    dear = search(&one, 0.01, true);
+    assert_true(cheap.is_found && dear.is_found);
+    assert_true(dear.paths < 3.0 * cheap.paths);
+    assert_true(one.traced + dear.paths < many.traced + cheap.paths);
     (void)state;
 }
 
@@ -395,6 +456,10 @@ int main(void)
         cmocka_unit_test(a_cheap_grid_is_filled_as_it_comes),
         cmocka_unit_test(hidden_nodes_are_not_paid_for),
         cmocka_unit_test(long_walks_cost_what_they_take),
+        cmocka_unit_test(short_paths_of_pixels_are_chosen),
+        cmocka_unit_test(a_noisy_grid_is_left_for_pixels),
+        cmocka_unit_test(what_chance_hides_is_not_trusted),
+        cmocka_unit_test(trials_are_repaid_by_frames),
         cmocka_unit_test(coarser_grids_tell_what_chance_hides),
         cmocka_unit_test(coarser_grids_spare_paths),
         cmocka_unit_test(light_that_no_grid_holds_gets_paths_of_pixels),
