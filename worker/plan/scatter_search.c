@@ -100,7 +100,7 @@ static bool is_affordable(const struct walk *walk, const struct scatter_setting 
     static const double SHARE_OF_FRAME = 0.25;
     double most = walk->search->path_max, paths = trial_of(walk, setting);
 
-    if (walk->is_dear && isfinite(walk->finding.paths)) most = fmax(most, SHARE_OF_FRAME * walk->finding.paths);
+    if (walk->is_dear && walk->finding.is_found) most = fmax(most, SHARE_OF_FRAME * walk->finding.paths);
     if (setting->path_rung >= SCATTER_PATH_RUNGS || walk->traced + paths > most) return false;
     return setting->grid_rung == SCATTER_PIXELS || paths <= GRID_PART * most;
 }

@@ -434,6 +434,10 @@ static void the_nearest_is_kept_where_nothing_suffices(void **state)
 
     assert_false(found.is_found);
     assert_true(isfinite(found.error) && found.error > 0.001);
+    noisy = (struct terrain){.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
+    assert_false(search_within(&noisy, 0.001, true, 1e6).is_found);
+    print_message("%.3g paths\n", noisy.traced);
+    assert_true(noisy.traced < 4e6); // the first looks at nodes and at pixels have what they need
 }
 
 static void a_search_ends_where_it_is_stopped(void **state)
