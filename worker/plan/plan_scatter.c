@@ -385,6 +385,8 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
         return false;
     }
     set_point(scatter, plan, &finding.setting);
+    log_debug("plan: scattered light: %s, error %.2e, %.2e usual paths", finding.is_found ? "found" : "the nearest",
+              finding.error, finding.paths);
     describe(plan, &finding);
     predict(plan, scatter, &finding);
     foretell(plan, scatter, &finding.setting);

@@ -407,15 +407,18 @@ static bool try_ways(struct walk *walk)
     return try_finer(walk, &rung);
 }
 
-// Fills the grid that was found from the lights, with so few paths that both pictures cost an eighth of it.
+// Fills the grid that was found from the lights, with so few paths that both pictures cost an eighth of it. Where none
+// suffices, they may take what a measurement may.
 static bool try_lights(struct walk *walk)
 {
     struct scatter_setting setting = walk->finding.setting;
     struct scatter_measured measured;
+    double most = 0.125 * walk->finding.paths;
 
     if (!walk->search->may_choose || setting.grid_rung < 0 || walk->finding.paths < CHOICE_LEAST) return true;
+    if (!walk->finding.is_found) most = fmin(most, GRID_PART * walk->search->path_max);
     setting.is_from_lights = true;
-    setting.path_rung = (int)floor(2.0 * log2(0.125 * walk->finding.paths / (PICTURES * nodes_of(walk, &setting))));
+    setting.path_rung = (int)floor(2.0 * log2(most / (PICTURES * nodes_of(walk, &setting))));
     if (setting.path_rung < 0) return true;
     walk->is_dear = true;
     return try_grid(walk, setting, &measured);

@@ -434,8 +434,9 @@ static void the_nearest_is_kept_where_nothing_suffices(void **state)
 
     assert_false(found.is_found);
     assert_true(isfinite(found.error) && found.error > 0.001);
-    noisy = (struct terrain){.cells = 1e4, .noise = 1e6, .pixel_noise = 1e6};
+    noisy = (struct terrain){.cells = 0.1, .noise = 1e12, .pixel_noise = 1e15, .lights_noise = 0.9};
     assert_false(search_within(&noisy, 0.001, true, 1e6).is_found);
+    assert_int_equal(noisy.lights_measured, 1);
     print_message("%.3g paths\n", noisy.traced);
     assert_true(noisy.traced < 4e6); // the first looks at nodes and at pixels have what they need
 }
