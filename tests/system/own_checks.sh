@@ -59,7 +59,9 @@ user_daemon_runs()
     expect "pictures of eve's" "$(find "$root/home/eve/marchd/mine" -name '*.exr' | wc -l)" 2
     expect "who owns them" "$(stat -c %u "$root/home/eve/marchd/mine/c.0001.exr")" "$(inside id -u eve)"
     # ann has no daemon of her own and uses the system's.
-    expect "ann's daemon" "$(job_field ann 1 .owner)" ann
+    id=$(submit ann "$(cloud_job 1 64 36 hers)")
+    expect "ann's daemon" "$(job_field ann "$id" .owner)" ann
+    as ann march wait "$id"
     ends 4 "" as ann march list --socket "/run/user/$(inside id -u eve)/marchd.sock"
     as eve systemctl --user stop marchd.service
     inside loginctl disable-linger eve

@@ -70,6 +70,7 @@ upgrade_goes_on()
 {
     local id second waiting
 
+    reload "user-jobs = 3" "log-level = debug"
     # A client that waits for a job goes on waiting.
     cloud_job 1 64 36 waited >"$root/home/ann/job.json"
     as ann march submit --paused --wait job.json >"$work/waited" 2>"$work/told" &

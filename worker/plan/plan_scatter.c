@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/scene/scene.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
 #include "worker/model/scene_features.h"
@@ -154,8 +155,8 @@ static void count_walks(const struct plan_scatter *scatter, const struct plan *p
     measured->walks = has_grid ? result->walks : (double)quality->paths * (double)pixel_count(scatter);
     measured->usual_walks = result->steps / SCATTER_USUAL_STEPS;
     if (has_grid && result->walks == 0.0 && !plan->point.is_from_lights) {
-        measured->walks = pow(quality->scatter_grid, 3.0) * quality->paths;
-        measured->usual_walks = SCATTER_PARTICLE * measured->walks;
+        measured->walks = SCATTER_PARTICLE * pow(quality->scatter_grid, 3.0) * quality->paths;
+        measured->usual_walks = measured->walks;
     }
 }
 
@@ -172,7 +173,7 @@ static bool render(struct plan_scatter *scatter, const struct plan *plan, const 
     ok = draw(&scatter->truth.lattice, scatter->params, &planned, frame->number, image, &result, &scatter->error);
     scatter_progress_count_picture(&scatter->truth.progress);
     scatter->fault = result.fault;
-    if (measured) count_walks(scatter, plan, &result, measured);
+    if (ok && measured) count_walks(scatter, plan, &result, measured);
     return ok;
 }
 
@@ -295,8 +296,8 @@ static void describe(struct plan *plan, const struct scatter_finding *finding)
 
     memcpy(reason, plan->reason, sizeof reason);
     if (finding->setting.grid_rung == SCATTER_PIXELS)
-        snprintf(plan->reason, sizeof plan->reason, "%d paths of each pixel: no grid of scattered light is cheaper",
-                 plan->quality.paths);
+        snprintf(plan->reason, sizeof plan->reason,
+                 "%d paths of each pixel: no grid of scattered light is known to be cheaper", plan->quality.paths);
     else
         snprintf(plan->reason, sizeof plan->reason, "%d cells of scattered light with %d %s each; first order: %.200s",
                  plan->quality.scatter_grid, plan->quality.paths,
@@ -354,7 +355,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
                            struct error *error)
 {
     const struct job *job = scatter->params->job;
-    double frames = (double)scatter->params->segment.count;
+    double frames = scene_is_constant(&job->scene) ? 1.0 : (double)scatter->params->segment.count;
     struct plan first;
     struct scatter_finding finding = {.is_stopped = true};
     struct plan_scene scene;

@@ -22,7 +22,7 @@ static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
-static const char FORMAT[] = "marchd plan 9 of " MARCHD_VERSION;
+static const char FORMAT[] = "marchd plan 10 of " MARCHD_VERSION;
 
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE])
 {

@@ -71,15 +71,19 @@ static double trial_of(const struct walk *walk, const struct scatter_setting *se
 
 static bool measure(struct walk *walk, const struct scatter_setting *setting, struct scatter_measured *measured)
 {
-    walk->traced += trial_of(walk, setting);
+    double foretold = trial_of(walk, setting);
+    bool is_counted;
+
     if (!walk->search->measure(walk->search->user, setting, measured)) {
         walk->finding.is_stopped = true;
         return false;
     }
-    if (measured->walks > 0.0 && setting->grid_rung == SCATTER_PIXELS) {
+    is_counted = measured->walks > 0.0 && measured->usual_walks > 0.0;
+    walk->traced += is_counted ? PICTURES * measured->usual_walks : foretold;
+    if (is_counted && setting->grid_rung == SCATTER_PIXELS) {
         walk->pixel_length = measured->usual_walks / measured->walks;
         walk->is_pixel_known = true;
-    } else if (measured->walks > 0.0) {
+    } else if (is_counted) {
         walk->share = measured->usual_walks /
                       (pow(scatter_grid_cells[setting->grid_rung], 3.0) * scatter_paths_of(setting->path_rung));
         walk->length = measured->usual_walks / measured->walks;
@@ -176,11 +180,13 @@ static void note_grid(struct walk *walk, const struct scatter_setting *setting, 
     walk->is_coarse_sure = measured->chance <= UNSURE * wanted;
 }
 
-// Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell.
+// Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell: nothing that would
+// outdo what was found where chance hides their cells.
 static void guess_grid(struct walk *walk, int rung)
 {
     double wanted = walk->search->target * walk->search->target;
 
+    if (walk->finding.is_found && !walk->is_coarse_sure) return;
     for (; walk->coarse_cells > 0.0 && rung <= GRID_GUESSED; rung++) {
         double cells = expect_cells(walk, rung, STEEPEST), noise = walk->noise / scatter_grid_cells[rung];
         int paths;
@@ -275,11 +281,11 @@ static bool measure_grid(struct walk *walk, struct scatter_setting *setting, str
         struct scatter_measured finer;
 
         next.path_rung += find_rungs(measured->noise, fmax(wanted, 0.5 * measured->cells), setting->path_rung);
+        if (!know_pixels(walk, &next)) return false;
+        if (is_too_dear(walk, setting, measured->noise)) break;
         while (next.path_rung > setting->path_rung && !is_affordable(walk, &next))
             next.path_rung--;
         if (next.path_rung == setting->path_rung) break;
-        if (!know_pixels(walk, &next)) return false;
-        if (is_too_dear(walk, setting, measured->noise)) break;
         if (!measure(walk, &next, &finer)) return false;
         if (isinf(finer.noise)) break;
         *setting = next;
@@ -325,7 +331,8 @@ static bool try_grid(struct walk *walk, struct scatter_setting setting, struct s
     cells = find_cells(walk, &setting, measured).cells;
     if (!setting.is_from_lights) note_grid(walk, &setting, measured, cells);
     // Its cells are not known where it was left early.
-    if (measured->noise > wanted && is_too_dear(walk, &setting, measured->noise)) return true;
+    if (measured->noise > wanted && measured->chance > wanted && is_too_dear(walk, &setting, measured->noise))
+        return true;
     if (cells <= CELLS_SHARE * wanted && !has_sure_cells(walk, &setting, measured)) {
         if (!walk->has_tried_pixels && !try_pixels(walk)) return false;
         if (walk->finding.is_found) return true;

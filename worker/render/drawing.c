@@ -332,6 +332,14 @@ static bool begin_pass(struct drawing *drawing, int pass, struct error *error)
     return true;
 }
 
+double drawing_count_steps(const struct drawing *drawing)
+{
+    const struct pixel_layout *layout = drawing->layout;
+
+    return drawing->steps *
+           (layout ? (double)layout->count / ((double)layout->square_count * layout->side * layout->side) : 1.0);
+}
+
 bool drawing_run(struct drawing *drawing, struct error *error)
 {
     struct drawing_tools *tools = drawing->tools;

@@ -49,7 +49,7 @@ struct drawing {
     drawing_progress *on_progress;     // may be NULL
     void *user;
     double done;                  // share of the frame, in [0, 1]
-    double steps;                 // that random paths took
+    double steps;                 // that random paths took, those of pixels that fill up a list among them
     struct kept_program *program; // set by drawing_find_program
     // The fault is set whenever a function here returns false.
     enum renderer_fault fault;
@@ -64,6 +64,9 @@ bool drawing_find_program(struct drawing *drawing, struct error *error);
 bool drawing_fit_target(struct drawing *drawing, const struct gl_target_params *params, struct error *error);
 // Fills the caches that the scene samples, then draws all passes into the target. The scene's files are bound.
 bool drawing_run(struct drawing *drawing, struct error *error);
+
+// The steps that random paths of the frame or the list took; roughly, as pixels that fill up a list count like others.
+double drawing_count_steps(const struct drawing *drawing);
 
 // Reports progress; false when the frame is to stop. `user` is the drawing.
 bool drawing_report(void *user);

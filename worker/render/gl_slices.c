@@ -45,7 +45,8 @@ void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, in
 
 void gl_slices_open(const struct gl_slices *slices)
 {
-    slices->gl->ClearNamedBufferData(slices->steps_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+    if (slices->image_count == GL_SLICES_WALK_IMAGES)
+        slices->gl->ClearNamedBufferData(slices->steps_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
     slices->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     slices->gl->BeginQuery(GL_SAMPLES_PASSED, slices->query);
 }

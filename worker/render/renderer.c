@@ -241,7 +241,7 @@ static bool render_frame(struct renderer *renderer, struct rendering *rendering,
         result->cache_fills = gl_caches_count_fills(renderer->tools.caches) - fills;
         walked = gl_caches_count_walks(renderer->tools.caches);
         result->walks = walked.walks - before.walks;
-        result->steps = walked.steps - before.steps + drawing->steps;
+        result->steps = walked.steps - before.steps + drawing_count_steps(drawing);
         memcpy(renderer->shader_hash, scene.hash, sizeof renderer->shader_hash);
         result->shader_hash = renderer->shader_hash;
     }

@@ -22,7 +22,7 @@ struct renderer_result {
     double seconds;                               // GPU work and readback
     int64_t cache_fills;                          // caches that it filled; the others were up to date
     double walks;                                 // random walks that these took from nodes of a grid
-    double steps;                                 // of these walks, or of pixels' random paths
+    double steps;                                 // of these walks, or of a list's random paths
     bool is_copy;                                 // not rendered: the frame before has the same inputs
     const char *shader_hash;                      // borrowed from the renderer until the next call
     char picture_hash[HASH_TEXT_SIZE];            // as renderer_hash_picture makes it

@@ -42,7 +42,7 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
             "    return true;\n}\n",
             spectrum, spectrum, spectrum);
     fputs("void walk_store(Walk walk, int passes, bool is_done)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
-          "    atomicAdd(walk_taken, (walk_steps + uint(place.x) % WALK_STEPS) / WALK_STEPS);\n"
+          "    atomicAdd(walk_taken, (walk_steps + uint(place.x + 4 * place.y) % WALK_STEPS) / WALK_STEPS);\n"
           "    if (walk.path < 0) walk.order = int(walk.depth.y);\n"
           "    uint marks = is_done ? WALK_IS_DONE : (uint(walk.path + passes + 1) << 10u) | uint(min(walk.order, "
           "1023));\n"

@@ -243,7 +243,7 @@ static void long_walks_cost_what_they_take(void **state)
     longer.length = 30.0;
     dear = search_within(&longer, 0.01, true, 6e7);
     assert_true(dear.paths > 10.0 * found.paths);
-    assert_true(longer.length * longer.traced < dear.paths);
+    assert_true(longer.length * longer.traced < 0.5 * dear.paths);
     (void)state;
 }
 
@@ -437,8 +437,7 @@ static void the_nearest_is_kept_where_nothing_suffices(void **state)
     noisy = (struct terrain){.cells = 0.1, .noise = 1e12, .pixel_noise = 1e15, .lights_noise = 0.9};
     assert_false(search_within(&noisy, 0.001, true, 1e6).is_found);
     assert_int_equal(noisy.lights_measured, 1);
-    print_message("%.3g paths\n", noisy.traced);
-    assert_true(noisy.traced < 4e6); // the first looks at nodes and at pixels have what they need
+    assert_true(noisy.traced < 2e6); // two pictures a measurement
 }
 
 static void a_search_ends_where_it_is_stopped(void **state)

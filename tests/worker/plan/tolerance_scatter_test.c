@@ -126,6 +126,14 @@ static void white_noise_keeps_its_tolerance(void **state)
     check(NOISE, "5", "", 0.05);
 }
 
+// A path from the camera through what is thick is far shorter than a walk from a node inside. Counted alike, both would
+// cost as much.
+static void small_pictures_of_thick_media_have_paths(void **state)
+{
+    assert_int_equal(check_with(BALL, "10", "", 0.05, NULL).method, JOB_METHOD_PATHS);
+    (void)state;
+}
+
 static void media_under_a_sky_keep_their_tolerance(void **state)
 {
     check(NOISE, "5", ",{\"kind\":\"dome\",\"gradient\":{\"along\":[0.2,0.4,0.9],\"against\":0.5},\"visible\":true}",
@@ -295,6 +303,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_stated_grid_is_filled_once),
         cmocka_unit_test(a_white_ball_keeps_its_tolerance),
         cmocka_unit_test(white_noise_keeps_its_tolerance),
+        cmocka_unit_test(small_pictures_of_thick_media_have_paths),
         cmocka_unit_test(media_under_a_sky_keep_their_tolerance),
         cmocka_unit_test(noise_over_a_floor_has_light_grids),
         cmocka_unit_test(endless_haze_keeps_its_tolerance),
