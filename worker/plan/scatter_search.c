@@ -41,8 +41,8 @@ struct walk {
     // What the last grid tells of its nodes, had these a cube: the share whose walks are made, times their length.
     double share;
     double length;       // of a walk, relative to the usual one
-    double pixel_length; // of a path of a pixel; as that of walks until it is known
-    bool is_pixel_known, has_tried_pixels;
+    double pixel_length; // of a path of a pixel, relative to a usual walk; 0: not known yet
+    bool has_tried_pixels;
     // The finest grid whose cells alone were too much; 0 cells: none yet.
     int coarse_rung;
     double coarse_cells;
@@ -53,18 +53,24 @@ struct walk {
     int noise_count;
 };
 
+// Of a path of a pixel, relative to a usual walk: as that of walks until it is known.
+static double pixel_length_of(const struct walk *walk)
+{
+    return walk->pixel_length > 0.0 ? walk->pixel_length : walk->length;
+}
+
 // The number of paths of one rung 0, in walks.
 static double nodes_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels * walk->pixel_length;
+    if (setting->grid_rung == SCATTER_PIXELS) return walk->search->pixels * pixel_length_of(walk);
     return pow(scatter_grid_cells[setting->grid_rung], 3.0) *
            (setting->is_from_lights ? SCATTER_PARTICLE * walk->length : walk->share);
 }
 
 static double trial_of(const struct walk *walk, const struct scatter_setting *setting)
 {
-    double nodes =
-        setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * walk->pixel_length : nodes_of(walk, setting);
+    double nodes = setting->grid_rung == SCATTER_PIXELS ? walk->search->list_pixels * pixel_length_of(walk)
+                                                        : nodes_of(walk, setting);
 
     return PICTURES * nodes * scatter_paths_of(setting->path_rung);
 }
@@ -82,12 +88,10 @@ static bool measure(struct walk *walk, const struct scatter_setting *setting, st
     walk->traced += is_counted ? PICTURES * measured->usual_walks : foretold;
     if (is_counted && setting->grid_rung == SCATTER_PIXELS) {
         walk->pixel_length = measured->usual_walks / measured->walks;
-        walk->is_pixel_known = true;
     } else if (is_counted) {
         walk->share = measured->usual_walks /
                       (pow(scatter_grid_cells[setting->grid_rung], 3.0) * scatter_paths_of(setting->path_rung));
         walk->length = measured->usual_walks / measured->walks;
-        if (!walk->is_pixel_known) walk->pixel_length = walk->length;
     }
     return true;
 }
@@ -258,16 +262,6 @@ static bool know_pixels(struct walk *walk, const struct scatter_setting *setting
     return walk->has_tried_pixels || trial_of(walk, setting) <= trial_of(walk, &first_pixels) || try_pixels(walk);
 }
 
-// Whether paths of pixels may be cheaper than the grid that was found, by more than it takes to know: they cannot be
-// fewer than one each.
-static bool may_pixels_save(const struct walk *walk)
-{
-    static const double SHORTEST = 0.125; // of a path of a pixel, relative to walks, which may begin deeper inside
-    double most = walk->finding.paths - walk->search->pixels * SHORTEST * walk->length;
-
-    return !has_found_grid(walk) || most * walk->search->frames > trial_of(walk, &first_pixels);
-}
-
 // Measures a grid with so many paths that the noise hides its cells no longer, or as many as may be traced, or until
 // they do not matter. `setting` becomes the one that was measured last.
 static bool measure_grid(struct walk *walk, struct scatter_setting *setting, struct scatter_measured *measured)
@@ -406,7 +400,7 @@ static bool try_ways(struct walk *walk)
     int rung = GRID_FIRST;
 
     if (walk->search->has_grid && !try_finer(walk, &rung)) return false;
-    if (!walk->has_tried_pixels && may_pixels_save(walk) && !try_pixels(walk)) return false;
+    if (!walk->has_tried_pixels && !try_pixels(walk)) return false;
     if (!walk->search->has_grid) return true;
     if (has_found_grid(walk)) return try_coarser(walk);
     guess_grid(walk, rung);
@@ -439,8 +433,7 @@ struct scatter_finding scatter_search_run(const struct scatter_search *search)
                                     .paths = INFINITY},
                         .least = INFINITY,
                         .share = 1.0,
-                        .length = 1.0,
-                        .pixel_length = 1.0};
+                        .length = 1.0};
 
     if (try_ways(&walk)) (void)try_lights(&walk);
     return walk.finding;
