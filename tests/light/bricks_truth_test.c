@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "tests/support/folders.h"
 #include "tests/support/nanovdb_maker.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_light.h"

@@ -5,6 +5,7 @@
 #include "core/job/job.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
+#include "tests/support/folders.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"

@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "tests/support/bias_check.h"
+#include "tests/support/folders.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
 

@@ -7,6 +7,7 @@
 #include "core/job/job_hash.h"
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
+#include "tests/support/folders.h"
 #include "tests/support/json_edit.h"
 
 #include <setjmp.h>

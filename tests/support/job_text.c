@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/job/job_json.h"
+#include "tests/support/folders.h"
 
 #include <stdio.h>
 #include <stdlib.h>

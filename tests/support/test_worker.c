@@ -2,6 +2,7 @@
 #include "tests/support/test_worker.h"
 
 #include "core/base/error.h"
+#include "tests/support/folders.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/job/job.h"
 #include "core/job/job_check.h"
+#include "tests/support/folders.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"

@@ -3,6 +3,7 @@
 
 #include "core/base/file.h"
 #include "core/job/job_json.h"
+#include "tests/support/folders.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"

@@ -10,6 +10,7 @@
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sum.h"
 #include "tests/daemon/store/store_fixture.h"
+#include "tests/support/folders.h"
 
 #include <fcntl.h>
 #include <inttypes.h>

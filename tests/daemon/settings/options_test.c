@@ -2,6 +2,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "daemon/settings/options.h"
+#include "tests/support/folders.h"
 #include "tests/support/temp_folder.h"
 
 #include <setjmp.h>

@@ -7,6 +7,7 @@
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sum.h"
 #include "tests/daemon/store/store_fixture.h"
+#include "tests/support/folders.h"
 
 #include <inttypes.h>
 #include <sqlite3.h>

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/path_list.h"
+#include "tests/support/folders.h"
 #include "tests/support/temp_folder.h"
 #include "web/pictures/picture_query.h"
 

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "tests/support/folders.h"
 #include "tests/support/random_job.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/temp_folder.h"

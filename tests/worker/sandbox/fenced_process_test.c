@@ -4,6 +4,7 @@
 #include "core/job/root_marker.h"
 #include "core/wire/worker_status.h"
 #include "tests/support/fence_places.h"
+#include "tests/support/folders.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/test_worker.h"
 #include "tests/support/volume_maker.h"

@@ -6,6 +6,7 @@
 #include "core/job/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/folders.h"
 #include "tests/support/shader_text.h"
 #include "tests/support/temp_folder.h"
 #include "worker/gl/gl_program.h"
