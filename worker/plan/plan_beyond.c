@@ -60,7 +60,7 @@ bool plan_beyond_measure(struct plan *plan, const struct plan_params *params, en
                          struct error *error)
 {
     const struct job *job = params->job;
-    double frames = scene_is_constant(&job->scene) ? 1.0 : (double)params->segment.count;
+    double frames = plan_segment_pictures(job, &params->segment);
     double traced = (double)job->width_px * job->height_px * plan->predicted_traced;
     double work = frames * traced * plan->work * plan->work_ratio + plan->making_work;
 

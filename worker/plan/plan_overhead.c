@@ -14,6 +14,7 @@
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_progress.h"
+#include "worker/plan/plan_segment.h"
 #include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
@@ -141,8 +142,8 @@ bool plan_overhead_predict(struct plan *plan, const struct plan_params *params, 
     ok = render(&overhead, &overhead.job, &overhead.image) && time_file(&overhead, &plan->predicted_encode_s) &&
          (truth_has_twin(params->job) ? time_audit : time_halving)(&overhead, &plan->predicted_audit_s);
     if (ok) {
-        // Frames of a constant scene are copies, which share one audit.
-        if (scene_is_constant(&params->job->scene)) plan->predicted_audit_s /= (double)params->segment.count;
+        // Copies share one audit.
+        plan->predicted_audit_s *= plan_segment_pictures(params->job, &params->segment) / (double)params->segment.count;
         plan->predicted_audit_s /= parallel;
         plan->predicted_encode_s /= parallel;
         plan->predicted_frame_s = plan->predicted_s + plan->predicted_audit_s;

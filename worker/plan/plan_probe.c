@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_probe.h"
 
+#include "core/base/alloc.h"
 #include "worker/audit/audit.h"
 #include "worker/picture/image.h"
 #include "worker/plan/finite_check.h"
@@ -10,9 +11,11 @@
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_retry.h"
+#include "worker/plan/scatter_march.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -20,6 +23,9 @@ enum {
     PIXELS_MIN = 192 // fewer pixels say little, however many samples each has
 };
 
+// By how much a picture changes when its steps are doubled or halved, relative to its error: that falls with their
+// length to the power of 1.5, as plan_retry_refine has it.
+static const double DOUBLED = 1.8284271247461901, HALVED = 0.64644660940672624;
 // The least throughput of a picture that stands for the truth, relative to the frame's.
 static const double LEAST_THROUGHPUT = 1.0 / 256.0;
 
@@ -50,20 +56,26 @@ static bool pick(const struct plan_lattice *lattice, const struct image *frame, 
     return true;
 }
 
-// What the lattice's pixels show by the frame's plan: pixels that are interpolated in the frame are traced.
-static bool see(const struct plan_probe *probe, const struct plan_lattice *lattice, struct image *seen,
-                enum renderer_fault *fault, struct error *error)
+// What the lattice's pixels show by the plan, all of them traced.
+static bool trace(const struct plan_probe *probe, const struct plan_lattice *lattice, struct image *seen,
+                  enum renderer_fault *fault, struct error *error)
 {
     struct job planned = plan_apply(probe->plan, probe->params->job);
     struct renderer_result result;
-    bool ok;
+    bool ok = plan_list_render(probe->params, &planned, probe->frame, lattice->pixels, lattice->columns, lattice->rows,
+                               seen, &result, error);
 
-    *fault = RENDERER_FAULT_FRAME;
-    if (!probe->image->doubts) return pick(lattice, probe->image, seen, error);
-    ok = plan_list_render(probe->params, &planned, probe->frame, lattice->pixels, lattice->columns, lattice->rows, seen,
-                          &result, error);
     *fault = result.fault;
     return ok;
+}
+
+// The same of the plan that the frame has: pixels that are interpolated in it are traced.
+static bool see(const struct plan_probe *probe, const struct plan_lattice *lattice, struct image *seen,
+                enum renderer_fault *fault, struct error *error)
+{
+    *fault = RENDERER_FAULT_FRAME;
+    if (!probe->image->doubts) return pick(lattice, probe->image, seen, error);
+    return trace(probe, lattice, seen, fault, error);
 }
 
 static double root_mean_square_change(const struct image *a, const struct image *b)
@@ -76,37 +88,88 @@ static double root_mean_square_change(const struct image *a, const struct image 
     return sqrt(sum / (3.0 * (double)count));
 }
 
+// Renders the lattice's pixels as the plan varied along an axis has them; *change stays where that cannot be.
+static bool try_axis(const struct plan_probe *probe, struct plan_retry *retry, const struct plan_lattice *lattice,
+                     const struct plan *plan, int axis, const struct image *seen, double *change,
+                     enum renderer_fault *fault, struct error *error)
+{
+    struct plan varied = *plan;
+    struct image image = {0};
+    struct renderer_result result;
+    struct job job;
+
+    plan_retry_vary(retry, &varied, axis);
+    plan_retry_spend(retry, &varied, lattice->columns, lattice->rows);
+    job = plan_apply(&varied, probe->params->job);
+    if (plan_list_render(probe->params, &job, probe->frame, lattice->pixels, lattice->columns, lattice->rows, &image,
+                         &result, error))
+        *change = root_mean_square_change(&image, seen);
+    *fault = result.fault;
+    image_finish(&image);
+    return !renderer_fault_is_final(*fault);
+}
+
 bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
                      enum renderer_fault *fault, struct error *error)
 {
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     int count = plan_retry_axes(retry, probe->plan, axes);
     struct plan_lattice lattice;
-    struct image seen = {0}, image = {0};
+    struct image seen = {0};
     bool ok;
 
     plan_probe_init_lattice(&lattice, probe->params->job, probe->image);
     ok = see(probe, &lattice, &seen, fault, error);
     if (ok) *fault = RENDERER_FAULT_NONE;
     for (int i = 0; ok && i < count; i++) {
-        struct plan varied = *probe->plan;
-        struct renderer_result result;
-        struct job job;
-
-        plan_retry_vary(retry, &varied, i);
-        plan_retry_spend(retry, &varied, lattice.columns, lattice.rows);
-        job = plan_apply(&varied, probe->params->job);
         changes[i] = 0.0;
-        if (plan_list_render(probe->params, &job, probe->frame, lattice.pixels, lattice.columns, lattice.rows, &image,
-                             &result, error))
-            changes[i] = root_mean_square_change(&image, &seen);
-        *fault = result.fault;
-        ok = !renderer_fault_is_final(*fault);
+        ok = try_axis(probe, retry, &lattice, probe->plan, i, &seen, &changes[i], fault, error);
     }
-    image_finish(&image);
     image_finish(&seen);
     plan_lattice_finish(&lattice);
     return ok;
+}
+
+static double root_mean_square(const struct image *image)
+{
+    struct image black = *image;
+    size_t size_bytes = 4 * sizeof(float) * (size_t)image->width_px * (size_t)image->height_px;
+    double mean;
+
+    black.rgba = xcalloc(1, size_bytes);
+    mean = root_mean_square_change(image, &black);
+    free(black.rgba);
+    return mean;
+}
+
+bool plan_probe_march(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
+                      enum renderer_fault *fault, struct error *error)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_retry_axes(retry, probe->plan, axes);
+    struct plan light = *probe->plan;
+    struct plan_probe lightened = *probe;
+    struct plan_lattice lattice;
+    struct image seen = {0};
+    double mean = 0.0;
+    bool ok;
+
+    scatter_march_lighten(axes, count, &light.point);
+    light.quality = plan_family_quality(&plan_families[light.family], &retry->scene, &light.point);
+    lightened.plan = &light;
+    plan_probe_init_lattice(&lattice, probe->params->job, probe->image);
+    ok = trace(&lightened, &lattice, &seen, fault, error);
+    if (ok) mean = root_mean_square(&seen);
+    for (int i = 0; ok && i < count && mean > 0.0; i++) {
+        double change = 0.0;
+
+        if (!scatter_march_has(axes[i])) continue;
+        ok = try_axis(&lightened, retry, &lattice, &light, i, &seen, &change, fault, error);
+        changes[i] = change / mean / (light.point.rungs[i] >= PLAN_HALVING_RUNGS ? DOUBLED : HALVED);
+    }
+    image_finish(&seen);
+    plan_lattice_finish(&lattice);
+    return ok || !renderer_fault_is_final(*fault);
 }
 
 void plan_probe_init_audit(struct plan_lattice *lattice, const struct job *job, const struct plan_view *view)

@@ -34,6 +34,10 @@ void plan_probe_init_lattice(struct plan_lattice *lattice, const struct job *job
 // setting cannot be rendered. The retry pays. False when it was stopped or GL was lost.
 bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
                      enum renderer_fault *fault, struct error *error);
+// Above order 1, where the plan knows what cells and paths add and plan_retry_know has written it: writes the errors of
+// the march, in the same unit, which pictures with little scattered light tell. For the rest as above.
+bool plan_probe_march(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
+                      enum renderer_fault *fault, struct error *error);
 
 // The pixels of an audit by step halving: about as many rays as one for each pixel of the view.
 void plan_probe_init_audit(struct plan_lattice *lattice, const struct job *job, const struct plan_view *view);

@@ -12,6 +12,7 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
+#include "worker/plan/plan_segment.h"
 #include "worker/plan/scatter_march.h"
 #include "worker/plan/scatter_pace.h"
 #include "worker/plan/scatter_search.h"
@@ -355,7 +356,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
                            struct error *error)
 {
     const struct job *job = scatter->params->job;
-    double frames = scene_is_constant(&job->scene) ? 1.0 : (double)scatter->params->segment.count;
+    double frames = plan_segment_pictures(job, &scatter->params->segment);
     struct plan first;
     struct scatter_finding finding = {.is_stopped = true};
     struct plan_scene scene;

@@ -2,6 +2,7 @@
 #include "worker/plan/plan_segment.h"
 
 #include "core/job/job.h"
+#include "core/scene/scene.h"
 
 #include <assert.h>
 
@@ -40,4 +41,9 @@ struct plan_segment plan_segment_of(const struct job *job, int32_t frame)
     int64_t index = frame_range_index(&job->frames, frame);
 
     return plan_segment_at(job, index < 0 ? 0 : index / PLAN_SEGMENT_FRAMES);
+}
+
+double plan_segment_pictures(const struct job *job, const struct plan_segment *segment)
+{
+    return scene_is_constant(&job->scene) ? 1.0 : (double)segment->count;
 }

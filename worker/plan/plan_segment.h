@@ -20,3 +20,5 @@ int64_t plan_segment_count(const struct job *job);
 struct plan_segment plan_segment_at(const struct job *job, int64_t index);
 // The segment of one of the job's frames.
 struct plan_segment plan_segment_of(const struct job *job, int32_t frame);
+// How many pictures the frames of a segment are: copies of one still picture count once.
+double plan_segment_pictures(const struct job *job, const struct plan_segment *segment);

@@ -5,7 +5,6 @@
 #include "core/job/job.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
-#include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/render/renderer.h"
@@ -24,7 +23,7 @@ struct march {
     struct error *error;
 };
 
-static bool is_of_march(enum plan_axis axis)
+bool scatter_march_has(enum plan_axis axis)
 {
     switch (axis) {
     case PLAN_AXIS_STEP:
@@ -44,6 +43,14 @@ static bool is_of_march(enum plan_axis axis)
     return false;
 }
 
+void scatter_march_lighten(const enum plan_axis *axes, int count, struct plan_point *point)
+{
+    for (int i = 0; i < count; i++) {
+        if (axes[i] == PLAN_AXIS_SCATTER_GRID) point->rungs[i] = CELLS;
+        if (axes[i] == PLAN_AXIS_NODE_PATHS) point->rungs[i] = WALKS;
+    }
+}
+
 static bool render(const struct march *march, struct plan_point point, struct image *image)
 {
     const struct scatter_march_params *params = march->params;
@@ -51,10 +58,7 @@ static bool render(const struct march *march, struct plan_point point, struct im
     struct renderer_result result = {0};
     bool ok;
 
-    for (int i = 0; i < march->axis_count; i++) {
-        if (march->axes[i] == PLAN_AXIS_SCATTER_GRID) point.rungs[i] = CELLS;
-        if (march->axes[i] == PLAN_AXIS_NODE_PATHS) point.rungs[i] = WALKS;
-    }
+    scatter_march_lighten(march->axes, march->axis_count, &point);
     planned.quality = plan_family_quality(march->family, &march->scene, &point);
     planned.quality.samples = 1;
     ok = plan_lattice_render(params->lattice, params->params, &planned, params->frame, image, &result, march->error);
@@ -110,7 +114,7 @@ bool scatter_march_refine(const struct scatter_march_params *params, struct plan
     march.axis_count = plan_family_axes(march.family, &march.scene, march.axes);
     ok = render(&march, plan->point, &before);
     for (int i = 0; i < march.axis_count && ok; i++)
-        if (is_of_march(march.axes[i])) ok = refine_axis(&march, i, &plan->point, &before);
+        if (scatter_march_has(march.axes[i])) ok = refine_axis(&march, i, &plan->point, &before);
     image_finish(&before);
     if (ok) plan->quality = plan_family_quality(march.family, &march.scene, &plan->point);
     return ok;

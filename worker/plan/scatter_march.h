@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "worker/plan/plan_family.h"
 #include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
@@ -28,3 +29,8 @@ struct scatter_march_params {
 // nothing can be rendered.
 bool scatter_march_refine(const struct scatter_march_params *params, struct plan *plan, enum renderer_fault *fault,
                           struct error *error);
+
+// True for an axis that the march has of its own, and for the lights' grids.
+bool scatter_march_has(enum plan_axis axis);
+// Gives a point so few cells and walks that its pictures tell of the march alone, quickly.
+void scatter_march_lighten(const enum plan_axis *axes, int count, struct plan_point *point);

@@ -237,11 +237,12 @@ static bool find_changes(struct rendering *rendering, const struct plan *plan)
 {
     const struct tolerance_params *params = rendering->params;
     const struct plan_params looking = probe_params(rendering);
+    const struct plan_probe probe = {.params = &looking, .frame = params->frame, .plan = plan, .image = params->image};
+    bool is_known = plan_retry_know(&rendering->retry, plan, rendering->changes);
 
-    if (plan_retry_know(&rendering->retry, plan, rendering->changes)) return true;
-    return plan_probe_axes(
-        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
-        &rendering->retry, rendering->changes, &rendering->result->render.fault, rendering->error);
+    if (is_known && plan->quality.scatter_grid == 0) return true;
+    return (is_known ? plan_probe_march : plan_probe_axes)(&probe, &rendering->retry, rendering->changes,
+                                                           &rendering->result->render.fault, rendering->error);
 }
 
 static bool change_family(struct rendering *rendering, struct plan *plan)

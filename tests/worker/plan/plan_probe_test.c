@@ -117,6 +117,80 @@ static void what_is_to_blame_is_told_by_the_frames_own_pixels(void **state)
     gl_stage_close(stage);
 }
 
+// The march of scattered light is judged by few cells and walks, relative to the light; what they add is left alone.
+static void a_march_of_scattered_light_is_judged_by_little_of_it(void **state)
+{
+    enum { STEP, LIGHT, OPACITY, CELLS, PATHS, AXES };
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    const struct plan_point point = {.rungs = {1, 3, 2, 6, 10}}, light = {.rungs = {1, 3, 2, 4, 12}};
+    struct plan plan = {.point = point, .cells_square = 1e-6, .paths_square = 1e-6}, lightened;
+    struct plan_params params = {.renderer = stage.renderer};
+    double changes[PLAN_AXIS_LIMIT] = {[CELLS] = 7.0, [PATHS] = 8.0};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    struct plan_lattice lattice;
+    struct image frame, black, lit, seen;
+    struct plan_retry retry;
+    struct plan_scene scene;
+    enum renderer_fault fault;
+    struct job job, planned;
+    double mean;
+
+    (void)state;
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, 48, 27, 2.0);
+    job.quality = (struct job_quality){.method = JOB_METHOD_AUTO, .tolerance = 0.05, .samples = 1};
+    job.scene.orders = 3;
+    params.job = &job;
+    plan_scene_init(&scene, &job);
+    while (plan_families[plan.family].method != JOB_METHOD_MIDPOINT)
+        plan.family++;
+    plan.quality = plan_family_quality(&plan_families[plan.family], &scene, &point);
+    planned = plan_apply(&plan, &job);
+    frame = render(stage.renderer, &planned);
+    plan_retry_init(&retry, &job, &frame, &plan);
+    assert_int_equal(plan_retry_axes(&retry, &plan, axes), AXES);
+    assert_true(axes[STEP] == PLAN_AXIS_STEP && axes[CELLS] == PLAN_AXIS_SCATTER_GRID &&
+                axes[PATHS] == PLAN_AXIS_NODE_PATHS);
+    assert_true(
+        plan_probe_march(&(struct plan_probe){.params = &params, .frame = FRAME, .plan = &plan, .image = &frame},
+                         &retry, changes, &fault, NULL));
+    assert_true(changes[CELLS] == 7.0 && changes[PATHS] == 8.0);
+    plan_probe_init_lattice(&lattice, &job, &frame);
+    lightened = plan;
+    lightened.point = light;
+    lightened.quality = plan_family_quality(&plan_families[plan.family], &scene, &light);
+    planned = plan_apply(&lightened, &job);
+    lit = render(stage.renderer, &planned);
+    seen = pick(&lattice, &lit);
+    black = pick(&lattice, &lit);
+    memset(black.rgba, 0, 4 * sizeof(float) * plan_lattice_count(&lattice));
+    mean = find_change(&seen, &black);
+    for (int i = STEP; i <= OPACITY; i++) {
+        struct plan varied = lightened;
+        struct image other, other_seen;
+
+        plan_retry_vary(&retry, &varied, i);
+        planned = plan_apply(&varied, &job);
+        other = render(stage.renderer, &planned);
+        other_seen = pick(&lattice, &other);
+        print_message("axis %d: %.3e\n", i, changes[i]);
+        // The error falls with the length of a step to the power of 1.5: half of it leaves 0.35, twice has 2.83.
+        assert_float_equal(
+            changes[i], find_change(&other_seen, &seen) / mean / (light.rungs[i] < 2 ? 1 - exp2(-1.5) : exp2(1.5) - 1),
+            1e-9);
+        image_finish(&other);
+        image_finish(&other_seen);
+    }
+    assert_true(changes[STEP] > 0.01); // steps as long as the cloud is wide are to blame
+    plan_lattice_finish(&lattice);
+    image_finish(&frame);
+    image_finish(&lit);
+    image_finish(&seen);
+    image_finish(&black);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 static void parse(struct job *job)
 {
     static const char text[] =
@@ -242,6 +316,7 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_in_few_pixels_is_probed),
         cmocka_unit_test(what_is_to_blame_is_told_by_the_frames_own_pixels),
+        cmocka_unit_test(a_march_of_scattered_light_is_judged_by_little_of_it),
         cmocka_unit_test(an_audit_by_steps_measures_what_is_published),
     };
 

@@ -162,6 +162,18 @@ static void a_range_backwards_has_the_same_pilot(void **state)
     frame_range_finish(&single.frames);
 }
 
+// Frames of a scene in which nothing moves are copies.
+static void copies_of_a_still_scene_count_once(void **state)
+{
+    struct job job = job_of("0-99");
+    struct plan_segment segment = plan_segment_of(&job, 3);
+
+    assert_true(plan_segment_pictures(&job, &segment) == 1.0);
+    job.scene.camera.fov = (struct timeline){.kind = TIMELINE_LINEAR, .component_count = 1, .linear.rate = {1.0}};
+    assert_true(plan_segment_pictures(&job, &segment) == 48.0);
+    frame_range_finish(&job.frames);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -173,6 +185,7 @@ int main(void)
         cmocka_unit_test(a_search_stops_when_it_is_told),
         cmocka_unit_test(segments_share_out_the_range_in_its_order),
         cmocka_unit_test(a_range_backwards_has_the_same_pilot),
+        cmocka_unit_test(copies_of_a_still_scene_count_once),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

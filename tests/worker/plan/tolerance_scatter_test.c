@@ -7,6 +7,7 @@
 #include "core/job/job_json.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/json_edit.h"
+#include "tests/support/plan_keeper.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
@@ -35,6 +36,8 @@ static const char JOB[] =
 static const char BALL[] = "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}";
 static const char NOISE[] = "{\"kind\":\"noise\",\"frequency\":1.5,\"octaves\":2,\"bounds\":{\"kind\":\"sphere\","
                             "\"radius\":1,\"falloff\":0.3}}";
+static const char FINE_NOISE[] = "{\"kind\":\"noise\",\"frequency\":12,\"octaves\":2,\"bounds\":{\"kind\":\"sphere\","
+                                 "\"radius\":1,\"falloff\":0.3}}";
 
 // The frame's relative RMSE in PIXELS of its pixels, by the product of its differences to two halves of the light.
 static double measure_error(const struct job *job, const struct image *image)
@@ -295,6 +298,50 @@ static void frames_of_long_segments_share_their_samples(void **state)
     gl_stage_close(stage);
 }
 
+// A plan whose march is far too coarse for a frame: that is refined, and neither cells nor walks, which suffice.
+static void a_march_that_misses_is_refined(void **state)
+{
+    const struct plan_point coarse = {.rungs = {0, 7, 4, 5, 16}};
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct tolerance *tolerance = tolerance_create(stage.renderer);
+    struct plan_keeper keeper = {.plan = {.cells_square = 1e-5, .paths_square = 1e-5}, .number = 1};
+    const struct plan_source source = plan_keeper_source(&keeper);
+    struct tolerance_result result;
+    struct job_quality first;
+    struct plan_scene scene;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+    char text[2048];
+    size_t family = 0;
+
+    (void)state;
+    snprintf(text, sizeof text, JOB, "", FINE_NOISE, "2", 0.05);
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    plan_scene_init(&scene, &job);
+    while (plan_families[family].method != JOB_METHOD_MIDPOINT)
+        family++;
+    first = plan_family_quality(&plan_families[family], &scene, &coarse);
+    keeper.plan.quality = keeper.plan.view_quality = first;
+    assert_true(image_init(&image, job.width_px, job.height_px, false, false, NULL));
+    if (!tolerance_render(tolerance,
+                          &(struct tolerance_params){.job = &job, .serial = 1, .image = &image, .source = &source},
+                          &result, &error))
+        fail_msg("%s", error.message);
+    print_message("step %g to %g, %d to %d cells, %d to %d paths: error %.2e to %.2e\n", first.step,
+                  result.quality.step, first.scatter_grid, result.quality.scatter_grid, first.paths,
+                  result.quality.paths, result.first_error, result.audit.error);
+    assert_true(result.quality.step < 0.6 * first.step);
+    assert_int_equal(result.quality.scatter_grid, first.scatter_grid);
+    assert_int_equal(result.retry_count, 1);
+    assert_true(result.first_error > 0.05 && result.audit.error <= 0.05);
+    assert_true(measure_error(&job, &image) <= 1.25 * 0.05);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_destroy(tolerance);
+    gl_stage_close(stage);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -308,6 +355,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(noise_over_a_floor_has_light_grids),
         cmocka_unit_test(endless_haze_keeps_its_tolerance),
         cmocka_unit_test(frames_of_long_segments_share_their_samples),
+        cmocka_unit_test(a_march_that_misses_is_refined),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
