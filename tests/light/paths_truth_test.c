@@ -153,16 +153,41 @@ static void lamps_inside_are_right_on_the_average(void **state)
     assert_orders(EVEN ", " FRACTAL, INSIDE SUN, "4");
 }
 
+#define FLOOR                                                                                                          \
+    "{ \"kind\": \"plane\", \"point\": [0, -0.6, 0], \"material\": { \"kind\": \"diffuse\","                           \
+    " \"albedo\": [0.9, 0.5, 0.2] } }"
+#define LOBED                                                                                                          \
+    "{ " COLOURED ", \"phase\": [ { \"g\": 0.8, \"weight\": 0.75 }, { \"g\": -0.5, \"weight\": 0.25 } ],"              \
+    " \"density\": { \"kind\": \"homogeneous\", " BALL ", \"falloff\": 0.8 } } }"
+#define BACKWARD                                                                                                       \
+    "{ " COLOURED ", \"phase\": [ { \"g\": -0.7 } ], \"density\": { \"kind\": \"noise\", \"frequency\": 2.5,"          \
+    " \"octaves\": 2, \"bias\": 0.2, \"mode\": \"clip\", \"scale\": 4, " BALL ", \"falloff\": 0.3 } } }"
+
+// What is drawn near lamps follows narrow lobes, also from a surface.
+static void lobes_near_lamps_are_right_on_the_average(void **state)
+{
+    struct bias_check_scene scene = {
+        .media = LOBED, .lights = INSIDE, .objects = FLOOR, .orders = "3", .quality = PATHS("16")};
+
+    (void)state;
+    assert_first_order(LOBED, INSIDE);
+    assert_orders(LOBED, INSIDE, "\"all\"");
+    assert_first_order(BACKWARD, INSIDE);
+    assert_orders(BACKWARD, INSIDE, "3");
+    assert_orders(LOBED ", " NOISE, INSIDE SPOT, "2");
+    assert_as_paths(&scene);
+}
+
 // A lamp inside has a finite variance: the noise falls with the root of the number of paths, however many. Else its
 // estimate would grow with their number, as rare paths pass by the lamp.
-static void assert_even_noise(const char *lamp, size_t steps)
+static double assert_even_noise(const char *media, const char *lamp, size_t steps)
 {
     static const char *const qualities[] = {PATHS("64"), PATHS("4096"), PATHS("16384"), PATHS("65536")};
     static const int counts[] = {64, 4096, 16384, 65536}, frames[] = {128, 16, 8, 6};
     static double truth[BIAS_CHECK_VALUES], noise[BIAS_CHECK_VALUES];
     // What lies behind is weighed by transmittance, which more paths do not make more exact.
     struct bias_check_scene scene = {
-        .media = EVEN, .lights = lamp, .orders = "\"all\"", .noise = noise, .background = ""};
+        .media = media, .lights = lamp, .orders = "\"all\"", .noise = noise, .background = ""};
     double first = 0;
 
     scene.quality = qualities[0];
@@ -178,25 +203,24 @@ static void assert_even_noise(const char *lamp, size_t steps)
         // 324 values of six frames know their mean variance within some 5 %.
         assert_true(even > 0.8 * first && even < 1.25 * first);
     }
+    return first;
 }
 
 static void noise_falls_evenly_beside_a_lamp(void **state)
 {
     (void)state;
-    assert_even_noise(INSIDE, 2);
-    assert_even_noise(SPOT, 2);
+    assert_even_noise(EVEN, INSIDE, 2);
+    assert_even_noise(EVEN, SPOT, 2);
+    assert_true(assert_even_noise(LOBED, INSIDE, 2) < 14.0); // as if lobes were wide, it would be 17 to 20
 }
 
 static void noise_falls_evenly_to_65536_paths(void **state)
 {
     (void)state;
-    assert_even_noise(INSIDE, 4);
-    assert_even_noise(SPOT, 4);
+    assert_even_noise(EVEN, INSIDE, 4);
+    assert_even_noise(EVEN, SPOT, 4);
 }
 
-#define FLOOR                                                                                                          \
-    "{ \"kind\": \"plane\", \"point\": [0, -0.6, 0], \"material\": { \"kind\": \"diffuse\","                           \
-    " \"albedo\": [0.9, 0.5, 0.2] } }"
 #define WALL                                                                                                           \
     "{ \"kind\": \"box\", \"center\": [0.7, 0, -0.6], \"size\": [0.3, 1.5, 0.4], \"material\": { \"kind\": "           \
     "\"diffuse\","                                                                                                     \
@@ -349,6 +373,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(diffuse_surfaces_are_right_on_the_average),
         cmocka_unit_test(objects_alone_are_right_on_the_average),
         cmocka_unit_test(lamps_inside_are_right_on_the_average),
+        cmocka_unit_test(lobes_near_lamps_are_right_on_the_average),
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test(light_grids_are_right_on_the_average),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),

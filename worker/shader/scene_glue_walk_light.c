@@ -109,30 +109,99 @@ static void write_near_find(FILE *out, const struct scene_model *model)
     fputs("}\n", out);
 }
 
-// Writes what is drawn near a lamp: on a ray, or about the lamp. A spot's is where it shines.
-static void write_near_lamp(FILE *out, const struct scene_model *model, size_t i, bool is_start)
+static bool has_lobe(const struct scene_model *model, size_t i, size_t k)
+{
+    return model->features.media[i].scatters && model->features.media[i].lobes[k] == LOBE_HENYEY_GREENSTEIN;
+}
+
+// Whether what is drawn near a lamp follows lobes. In a spot's beam it has less noise, and takes as much longer.
+static bool follows_lobes(const struct scene_model *model, size_t i)
+{
+    bool has_lobes = false;
+
+    for (size_t m = 0; m < model->features.medium_count; ++m)
+        for (size_t k = 0; k < model->job->scene.media[m].lobe_count; ++k)
+            has_lobes |= has_lobe(model, m, k);
+    return has_lobes && !light_kind_of(&model->job->scene.lights[i])->is_spot;
+}
+
+// Writes walk_near_lobe, the g of the narrowest lobe, or 0 where all are wide.
+static void write_near_lobe(FILE *out, const struct scene_model *model)
+{
+    fputs("float walk_near_lobe()\n{\n    float g = 0.0;\n", out);
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        for (size_t k = 0; k < model->job->scene.media[i].lobe_count; ++k)
+            if (has_lobe(model, i, k))
+                fprintf(out, "    if (abs(medium_%zu_lobe_%zu_g) > abs(g)) g = medium_%zu_lobe_%zu_g;\n", i, k, i, k);
+    fputs("    return walk_near_followed(g);\n}\n", out);
+}
+
+// Writes the line on a ray near a lamp. A spot's is where it shines.
+static void write_near_line(FILE *out, const struct scene_model *model, size_t i, const char *direction,
+                            const char *interval)
 {
     const struct scene_light *light = &model->job->scene.lights[i];
-    bool is_spot = light_kind_of(light)->is_spot;
 
-    fprintf(out, "{\n        if (walk_reach_%zu <= 0.0) return spectrum(0.0);\n", i);
-    if (is_start && is_spot) {
-        fputs("        vec2 lit = span_meet(ray.interval, light_spot_lit(", out);
+    fprintf(out, "walk_near_line_of(light_%zu_position - point, %s, ", i, direction);
+    if (light_kind_of(light)->is_spot) {
+        fprintf(out, "span_meet(%s, light_spot_lit(", interval);
         scene_glue_light_write_value(out, light, i);
-        fputs(", point, ray.direction));\n", out);
+        fprintf(out, ", point, %s))", direction);
+    } else {
+        fputs(interval, out);
     }
-    fprintf(out, "        near = walk_near_%s(light_%zu_position - point, ",
-            is_start  ? "on"
-            : is_spot ? "in_cone"
-                      : "about",
-            i);
-    if (is_start)
-        fprintf(out, "ray.direction, %s, walk_reach_%zu", is_spot ? "lit" : "ray.interval", i);
-    else if (is_spot)
-        fprintf(out, "walk_reach_%zu, -light_%zu_direction, light_%zu_outer", i, i, i);
+    fprintf(out, ", walk_reach_%zu, %s)", i, follows_lobes(model, i) ? "walk_near_lobe()" : "0.0");
+}
+
+// Writes what is drawn near a lamp from a vertex: from the lamp, and where it follows lobes, every other time in a
+// direction that the vertex scatters into.
+static void write_near_from(FILE *out, const struct scene_model *model, size_t i)
+{
+    static const char INTERVAL[] = "vec2(0.0, FAR_AWAY)";
+    bool follows = follows_lobes(model, i);
+    char lamp[160];
+
+    if (light_kind_of(&model->job->scene.lights[i])->is_spot)
+        snprintf(lamp, sizeof lamp,
+                 "light_%zu_position - point, walk_reach_%zu, -light_%zu_direction, light_%zu_outer, 0.0", i, i, i, i);
     else
-        fprintf(out, "walk_reach_%zu, 3.14159265358979324", i);
-    fprintf(out, ");\n        near.lamp = %zu;\n    }\n", i);
+        snprintf(lamp, sizeof lamp,
+                 "light_%zu_position - point, walk_reach_%zu, vec3(0.0, 0.0, 1.0), 3.14159265358979324, %s", i, i,
+                 follows ? "walk_near_lobe()" : "0.0");
+    if (follows) {
+        fputs("        bool follows = walk_near_lobe() != 0.0;\n"
+              "        if (follows && walk_random() < 0.5) {\n            vec3 on = incoming;\n"
+              "            walk_scatter(vertex, incoming, weight, on);\n            near = walk_near_on(",
+              out);
+        write_near_line(out, model, i, "on", INTERVAL);
+        fprintf(out,
+                ", on);\n            if (near.weight <= 0.0) return spectrum(0.0);\n"
+                "            near.weight = walk_near_from_inverse(near, %s);\n        } else\n    ",
+                lamp);
+    }
+    fprintf(out, "        near = walk_near_from(%s);\n", lamp);
+    if (!follows) return;
+    // At the lamp itself nothing is known.
+    fputs("        if (follows && near.weight > 0.0) {\n"
+          "            float phase = spectrum_mean(weight * walk_scattered(vertex, incoming, near.direction)) /\n"
+          "                          max(spectrum_mean(weight * walk_scattering(vertex)), 1e-30);\n"
+          "            near.weight = walk_near_either(near.weight, walk_near_on_inverse(",
+          out);
+    write_near_line(out, model, i, "near.direction", INTERVAL);
+    fputs(", near.distance), phase);\n        }\n", out);
+}
+
+static void write_near_lamp(FILE *out, const struct scene_model *model, size_t i, bool is_start)
+{
+    fprintf(out, "{\n        if (walk_reach_%zu <= 0.0) return spectrum(0.0);\n", i);
+    if (is_start) {
+        fputs("        near = walk_near_on(", out);
+        write_near_line(out, model, i, "ray.direction", "ray.interval");
+        fputs(", ray.direction);\n", out);
+    } else {
+        write_near_from(out, model, i);
+    }
+    fprintf(out, "        near.lamp = %zu;\n    }\n", i);
 }
 
 // Writes the choice of a lamp, each as likely, and what is drawn near it.
@@ -319,6 +388,7 @@ void scene_glue_write_walk_lights(FILE *out, const struct scene_model *model)
 {
     write_flies(out, model);
     if (model->features.has_lights) write_transmittances(out, model);
+    write_near_lobe(out, model);
     write_near_find(out, model);
     write_lamp(out, model);
     if (count_near(model) > 0 && near_is_direct(model)) write_near_light(out);
