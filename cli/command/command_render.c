@@ -41,7 +41,8 @@ struct telling {
     int64_t foretold_ms;          // when that was known
 };
 
-static const double SHORT_S = 0.1; // no shorter time is foretold
+static const double SHORT_S = 0.1;  // no shorter time is foretold
+static const double LONG_S = 600.0; // of a frame: from here on it is said what helps
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
 
@@ -109,7 +110,8 @@ static void on_phase(void *user, const char *phase, double progress)
     telling->phase_progress = progress;
 }
 
-// Frames whose light was scattered often may take minutes: that is told before.
+// Frames whose light was scattered often may take minutes: that is told before. What is left of noise falls with the
+// root of the time at most.
 static void foretell(struct telling *telling, double plan_s, double render_s)
 {
     char *planned = progress_format_duration(plan_s), *frame = progress_format_duration(render_s);
@@ -120,7 +122,8 @@ static void foretell(struct telling *telling, double plan_s, double render_s)
     if (render_s < SHORT_S)
         fprintf(stderr, "planned in %s: a frame's rendering takes less than %g s here\n", planned, SHORT_S);
     else
-        fprintf(stderr, "planned in %s: a frame's rendering takes about %s here\n", planned, frame);
+        fprintf(stderr, "planned in %s: a frame's rendering takes about %s here%s\n", planned, frame,
+                render_s < LONG_S ? "" : "; a fourth of that, or less, at twice the tolerance");
     free(planned);
     free(frame);
 }

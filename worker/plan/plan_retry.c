@@ -47,7 +47,9 @@ void plan_retry_init(struct plan_retry *retry, const struct job *job, const stru
     retry->scene.depth_count = hits;
     retry->scene.hit_share = (double)hits / (double)seen;
     retry->first_work = find_work(retry, plan, &plan->point);
-    retry->unit_work = fmax(retry->first_work, PLAN_RETRY_LEAST / retry->scene.pixels);
+    retry->unit_work =
+        fmax(retry->first_work,
+             (retry->scene.is_scattered ? PLAN_RETRY_LEAST_SCATTERED : PLAN_RETRY_LEAST) / retry->scene.pixels);
 }
 
 void plan_retry_spend(struct plan_retry *retry, const struct plan *plan, int width_px, int height_px)
@@ -139,6 +141,29 @@ static void blame(const double *changes, int count, double error, double errors[
         errors[i] = sum > 0.0 && isfinite(sum) ? error * changes[i] / sqrt(sum) : error / sqrt(count);
 }
 
+// An error is no less than its noise, which falls with the root of the paths, whatever else is refined.
+static void note_noise(struct plan_retry *retry, const struct plan *plan, double error)
+{
+    double noise = error * sqrt(plan->quality.paths);
+
+    if (plan->quality.paths == 0) return;
+    if (retry->noise == 0.0 || retry->noise_family != plan->family || noise < retry->noise) retry->noise = noise;
+    retry->noise_family = plan->family;
+}
+
+// What cannot be noise is blamed on the other axes, if there are any.
+static void bound_noise(const struct plan_retry *retry, const struct plan *plan, const enum plan_axis *axes, int count,
+                        double error, double errors[static PLAN_AXIS_LIMIT])
+{
+    double noise = 0.0, rest = 0.0, most = retry->noise / sqrt(fmax(plan->quality.paths, 1.0));
+
+    for (int i = 0; i < count; i++)
+        *(is_noise(axes[i]) ? &noise : &rest) += errors[i] * errors[i];
+    if (!(most < error) || !(noise > most * most) || rest == 0.0) return;
+    for (int i = 0; i < count; i++)
+        errors[i] *= is_noise(axes[i]) ? most / sqrt(noise) : sqrt((error * error - most * most) / rest);
+}
+
 static double sum_up(const double *errors, int count)
 {
     double sum = 0.0;
@@ -180,7 +205,7 @@ static bool is_hopeless(const struct plan_retry *retry, const enum plan_axis *ax
     return false;
 }
 
-bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
+bool plan_retry_refine(struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error)
 {
     double tolerance = retry->scene.job->quality.tolerance, errors[PLAN_AXIS_LIMIT] = {0.0};
@@ -191,6 +216,10 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
     bool moved = false;
 
     blame(changes, count, isfinite(error) ? error : 1.0, errors);
+    if (retry->scene.is_scattered && isfinite(error)) {
+        note_noise(retry, plan, error);
+        bound_noise(retry, plan, axes, count, error, errors);
+    }
     while (sum_up(errors, count) > (retry->scene.is_scattered ? SCATTERED_GOAL : GOAL) * tolerance &&
            refine_worst(retry, plan, &point, errors, limit))
         moved = true;

@@ -13,8 +13,9 @@ enum { PLAN_RETRY_LIMIT = 3, PLAN_RETRY_DEPTHS = 256 };
 
 // The work of all renderings after the first, relative to it, as plan_family_work counts it; or to PLAN_RETRY_LEAST
 // evaluations in the whole frame, if it took fewer: in a small picture most of the little work is light grids, which
-// eight times as much refines by no more than a halving.
-static const double PLAN_RETRY_WORK = 8.0, PLAN_RETRY_LEAST = 1e7;
+// eight times as much refines by no more than a halving. Above order 1, PLAN_RETRY_LEAST_SCATTERED: a plan traces as
+// much to find what is cheap, and a first rendering that took less says little of what the frame is worth.
+static const double PLAN_RETRY_WORK = 8.0, PLAN_RETRY_LEAST = 1e7, PLAN_RETRY_LEAST_SCATTERED = 1e8;
 
 // The account of one frame. Init with plan_retry_init.
 struct plan_retry {
@@ -24,6 +25,9 @@ struct plan_retry {
     double unit_work;              // per pixel; the limits are multiples of it
     int count;                     // of renderings after the first
     unsigned tried;                // families, a bit each: the first rendering's, and those moved to
+    // That of one path of each node or pixel, at most, as the errors of a family's renderings have it; 0: not known.
+    double noise;
+    size_t noise_family;
 };
 
 // Counts the rays of the first rendering, which was made with `plan`. Where that has no image (NULL), one of optical
@@ -47,9 +51,10 @@ bool plan_retry_know(const struct plan_retry *retry, const struct plan *plan, do
 // Refines the axes that are to be blamed until an error of half the tolerance is expected, of 0.8 of it with more than
 // one order of scattering, or the allowance is spent: `changes` has an RMSE for each axis, and becomes what to expect
 // afterwards. Errors are expected to fall with the steps to the power of 1.5, noise with the root of the paths. All
-// axes are to blame where no change is known. False when nothing can be refined, or where the noise that the allowance
+// axes are to blame where no change is known, and noise for no more than is left by chance of any error before: how it
+// falls is sure. False when nothing can be refined, or where the noise that the allowance
 // leaves is expected to be twice the tolerance, unless misses are published.
-bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
+bool plan_retry_refine(struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error);
 // Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.
 // False when nothing can be coarser.

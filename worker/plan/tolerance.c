@@ -26,7 +26,8 @@
 #include <string.h>
 
 // The gain of a finer rendering that makes the next one finer too, instead of trying another family.
-static const double GAIN = 0.7;
+// Marches that bring scattered light differ by little, and after a miss more is known of what is to blame.
+static const double GAIN = 0.7, SCATTERED_GAIN = 0.95;
 // Above this share of a frame's error, most of its square is what interpolation adds: that is to blame.
 static const double BLAMED = 0.71;
 // Up to this share of the tolerance an error is no setting's fault: where it is not sure, more pixels are looked at.
@@ -212,12 +213,6 @@ static bool is_within(const struct rendering *rendering)
     return audit->error + audit->spread <= rendering->params->job->quality.tolerance;
 }
 
-static void note_shown(struct rendering *rendering)
-{
-    rendering->tolerance->shown_serial = rendering->params->serial;
-    rendering->tolerance->shown = *rendering->result;
-}
-
 static bool keep_if_best(struct rendering *rendering, const struct plan *plan)
 {
     const struct tolerance_result *result = rendering->result;
@@ -265,7 +260,7 @@ static bool choose_shorter(struct rendering *rendering, struct plan *plan)
 static bool choose_next(struct rendering *rendering, double error_before, struct plan *plan)
 {
     const struct audit_result *best = &rendering->best.result.audit;
-    double error = best->error;
+    double error = best->error, gain;
 
     if (rendering->is_cut) return choose_shorter(rendering, plan);
     if (best->interpolation_error > BLAMED * error) {
@@ -273,7 +268,8 @@ static bool choose_next(struct rendering *rendering, double error_before, struct
         plan_pixels_refine(plan, best->interpolation_error, best->tolerance);
         return true;
     }
-    if (rendering->retry.count > 0 && !(error <= GAIN * error_before) && change_family(rendering, plan)) return true;
+    gain = rendering->best.plan.quality.scatter_grid > 0 ? SCATTERED_GAIN : GAIN;
+    if (rendering->retry.count > 0 && !(error <= gain * error_before) && change_family(rendering, plan)) return true;
     *plan = rendering->best.plan;
     memcpy(rendering->changes, rendering->best.changes, sizeof rendering->changes);
     return plan_retry_refine(&rendering->retry, plan, rendering->changes, error) || change_family(rendering, plan);
@@ -419,7 +415,8 @@ static bool render_planned(struct rendering *rendering)
     if (!render_and_judge(rendering, &plan)) return false;
     if (result->retry_count == 0) result->first_error = result->audit.error;
     if (is_within(rendering)) {
-        note_shown(rendering);
+        rendering->tolerance->shown_serial = rendering->params->serial;
+        rendering->tolerance->shown = *rendering->result;
         return true;
     }
     ok = render_again(rendering, &plan, &found);

