@@ -51,9 +51,9 @@ bool plan_retry_know(const struct plan_retry *retry, const struct plan *plan, do
 // Refines the axes that are to be blamed until an error of half the tolerance is expected, of 0.8 of it with more than
 // one order of scattering, or the allowance is spent: `changes` has an RMSE for each axis, and becomes what to expect
 // afterwards. Errors are expected to fall with the steps to the power of 1.5, noise with the root of the paths. All
-// axes are to blame where no change is known, and noise for no more than is left by chance of any error before: how it
-// falls is sure. False when nothing can be refined, or where the noise that the allowance
-// leaves is expected to be twice the tolerance, unless misses are published.
+// axes are to blame where no change is known, and noise for no more than more paths leave of any error before: how it
+// falls is sure. False when nothing can be refined, or where the noise that the allowance leaves is expected to be
+// twice the tolerance, unless misses are published.
 bool plan_retry_refine(struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error);
 // Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.
