@@ -295,8 +295,7 @@ static void frames_of_long_segments_share_their_samples(void **state)
         print_message("truly %.2e, audited %.2e (at most %.2e) by %d pixels, rendered %d times more: %s\n", found,
                       result.audit.error, result.audit.error95, result.audit.ray_count, result.retry_count,
                       result.reason);
-        // Of one frame the bound holds with a confidence of 95 %: scatter_coverage_test counts how often.
-        assert_true(found <= 1.25 * fmin(0.05, result.audit.error95));
+        assert_true(found <= fmin(1.25 * 0.05, result.audit.error95));
         image_finish(&image);
         job_finish(&job);
     }
