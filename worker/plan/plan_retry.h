@@ -15,7 +15,7 @@ enum { PLAN_RETRY_LIMIT = 3, PLAN_RETRY_DEPTHS = 256 };
 // evaluations in the whole frame, if it took fewer: in a small picture most of the little work is light grids, which
 // eight times as much refines by no more than a halving. Above order 1, PLAN_RETRY_LEAST_SCATTERED: a plan traces as
 // much to find what is cheap, and a first rendering that took less says little of what the frame is worth.
-static const double PLAN_RETRY_WORK = 8.0, PLAN_RETRY_LEAST = 1e7, PLAN_RETRY_LEAST_SCATTERED = 3e7;
+static const double PLAN_RETRY_WORK = 8.0, PLAN_RETRY_LEAST = 1e7, PLAN_RETRY_LEAST_SCATTERED = 1e8;
 
 // The account of one frame. Init with plan_retry_init.
 struct plan_retry {
