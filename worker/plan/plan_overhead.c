@@ -24,6 +24,9 @@
 #include <unistd.h>
 
 enum { PIXELS = 480 * 270 }; // of the small frame, at most
+// A frame of random paths that is foretold to take longer than this is drawn with fewer: its file and its audit are
+// timed, and not the frame.
+static const double PICTURE_S = 2.0;
 
 struct overhead {
     struct plan *plan;
@@ -126,6 +129,9 @@ static void init(struct overhead *overhead)
     overhead->job = plan_small_job(&planned, plan_small_scale(job, PIXELS));
     overhead->ratio =
         (double)job->width_px * job->height_px / ((double)overhead->job.width_px * overhead->job.height_px);
+    if (overhead->job.quality.paths > 0 && overhead->plan->predicted_s > PICTURE_S * overhead->ratio)
+        overhead->job.quality.paths =
+            (int)fmax(overhead->job.quality.paths * PICTURE_S * overhead->ratio / overhead->plan->predicted_s, 1.0);
     overhead->clock = renderer_is_software(overhead->params->renderer) ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
 }
 

@@ -7,6 +7,7 @@
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_progress.h"
+#include "worker/plan/plan_segment.h"
 #include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
@@ -22,6 +23,8 @@ enum {
     REPEATS = 3
 };
 static const double LONG_S = 2.0; // a timing that takes longer is not repeated
+// Where one of the larger renders would take longer, as random paths are foretold to, none is made.
+static const double FORETOLD_S = 5.0;
 
 struct timing {
     const struct plan_params *params;
@@ -171,6 +174,13 @@ bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum
     double seconds[REPEATS];
     int count = 0;
 
+    if (plan->predicted_s * pixels_at(&timing, timing.scale) > FORETOLD_S * job->width_px * job->height_px) {
+        double pictures = plan_segment_pictures(job, &params->segment) / (double)params->segment.count;
+
+        plan->predicted_s *= pictures * plan->work_ratio;
+        plan->predicted_processor_s *= pictures * plan->work_ratio;
+        return true;
+    }
     if (!begin(&timing)) return false;
     while (count < timing.repeat_count) {
         if (!time_frames(&timing, &seconds[count])) return false;
