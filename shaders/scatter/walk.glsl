@@ -165,7 +165,8 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 nearby = spectrum(0.0);
                 if (walk.order < orders) {
                     nearby = walk_near(vertex, walk.direction, met, walk.weight, near, walk.light);
-                    behind = walk_thin(walk_scatter(met, walk.direction, walk.weight, ahead), WALK_WEAK);
+                    behind = walk_turn(vertex, walk.direction, met, walk.weight, walk.order, ahead);
+                    behind = walk_thin(behind, WALK_WEAK);
                 }
                 kind = WALK_LIGHT;
             }

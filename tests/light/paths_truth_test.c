@@ -178,6 +178,26 @@ static void lobes_near_lamps_are_right_on_the_average(void **state)
     assert_as_paths(&scene);
 }
 
+#define LOBES "\"phase\": [ { \"g\": 0.8, \"weight\": 0.75 }, { \"g\": -0.5, \"weight\": 0.25 } ],"
+#define THIN                                                                                                           \
+    "{ \"sigma_s\": [1.5, 0.5, 2], \"sigma_a\": [0.1, 0.4, 0.2], " LOBES                                               \
+    " \"density\": { \"kind\": \"homogeneous\", " BALL " } } }"
+#define LUMPS                                                                                                          \
+    "{ " COLOURED ", " LOBES " \"density\": { \"kind\": \"noise\", \"frequency\": 2.5, \"octaves\": 2,"                \
+    " \"mode\": \"remap\", \"scale\": 2, " BALL ", \"falloff\": 0.3 } } }"
+
+// Thin media, and those with light grids: some directions are drawn about a lamp.
+static void paths_towards_lamps_are_right_on_the_average(void **state)
+{
+    struct bias_check_scene scene = {
+        .media = THIN, .lights = SPOT SUN, .objects = FLOOR, .orders = "\"all\"", .quality = PATHS("16")};
+
+    (void)state;
+    assert_orders(THIN, LAMP, "\"all\"");
+    assert_as_paths(&scene);
+    assert_by_light_grids(LUMPS, LAMP SUN, NULL);
+}
+
 // A lamp inside has a finite variance: the noise falls with the root of the number of paths, however many. Else its
 // estimate would grow with their number, as rare paths pass by the lamp.
 static double assert_even_noise(const char *media, const char *lamp, size_t steps)
@@ -212,6 +232,7 @@ static void noise_falls_evenly_beside_a_lamp(void **state)
     assert_even_noise(EVEN, INSIDE, 2);
     assert_even_noise(EVEN, SPOT, 2);
     assert_true(assert_even_noise(LOBED, INSIDE, 2) < 14.0); // as if lobes were wide, it would be 17 to 20
+    assert_true(assert_even_noise(THIN, LAMP, 2) < 6.5);     // without directions about the lamp it would be 7.5
 }
 
 static void noise_falls_evenly_to_65536_paths(void **state)
@@ -374,6 +395,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(objects_alone_are_right_on_the_average),
         cmocka_unit_test(lamps_inside_are_right_on_the_average),
         cmocka_unit_test(lobes_near_lamps_are_right_on_the_average),
+        cmocka_unit_test(paths_towards_lamps_are_right_on_the_average),
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test(light_grids_are_right_on_the_average),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),

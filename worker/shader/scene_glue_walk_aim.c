@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/shader/scene_glue_walk_aim.h"
+
+#include "core/job/job.h"
+#include "worker/model/scene_model.h"
+
+#include <math.h>
+
+// Set by what measured best (docs/rendering.md); they change noise and time, not the light.
+static const double NARROW = 0.65; // the least g that repays the looks for lamps
+static const double THIN = 6.0;    // the largest optical depth of homogeneous media
+
+// All numbers are those of this time, so that frames share a program.
+static const double TIME = 0.0;
+
+static double largest_of(const struct timeline *timeline)
+{
+    double value[3] = {0.0}, most = -INFINITY;
+
+    timeline_evaluate(timeline, TIME, value);
+    for (int c = 0; c < timeline->component_count; c++)
+        most = fmax(most, value[c]);
+    return most;
+}
+
+static double find_widest(const struct scene_bounds *bounds)
+{
+    switch (bounds->kind) {
+    case SCENE_BOUNDS_SPHERE:
+        return 2.0 * largest_of(&bounds->radius);
+    case SCENE_BOUNDS_BOX:
+        return largest_of(&bounds->size);
+    case SCENE_BOUNDS_NONE:
+    case SCENE_BOUNDS_SLAB:
+        break;
+    }
+    return INFINITY;
+}
+
+static bool is_thin(const struct scene_model *model)
+{
+    double depth = 0.0;
+
+    for (size_t i = 0; i < model->features.medium_count; i++) {
+        const struct scene_medium *medium = &model->job->scene.media[i];
+
+        if (!model->features.media[i].scatters) continue;
+        depth += (largest_of(&medium->sigma_s) + largest_of(&medium->sigma_a)) *
+                 largest_of(&medium->density.homogeneous.scale) * find_widest(&medium->density.bounds);
+    }
+    return depth <= THIN;
+}
+
+static bool is_narrow(const struct scene_model *model)
+{
+    double most = 0.0;
+
+    for (size_t i = 0; i < model->features.medium_count; i++)
+        for (size_t k = 0; k < model->job->scene.media[i].lobe_count && model->features.media[i].scatters; k++)
+            if (model->features.media[i].lobes[k] == LOBE_HENYEY_GREENSTEIN)
+                most = fmax(most, largest_of(&model->job->scene.media[i].lobes[k].g));
+    return most >= NARROW;
+}
+
+// Only lamps whose light that reaches a vertex is known there are aimed at.
+bool scene_glue_walk_has_aims(const struct scene_model *model)
+{
+    const struct scene_features *features = &model->features;
+
+    if (!features->media_are_lit || scene_features_count_marched(features) == 0 || !is_narrow(model)) return false;
+    return features->tracks_to_lights ? features->has_light_grids : is_thin(model);
+}
+
+// Writes the choice of a lamp, each as likely.
+static void write_lamp(FILE *out, const struct scene_model *model)
+{
+    size_t count = scene_features_count_marched(&model->features), index = 0;
+
+    if (count > 1) fprintf(out, "    int lamp = min(int(walk_random() * %zu.0), %zu);\n", count, count - 1);
+    fputs("    LightSample light;\n    float passed = 0.0;\n", out);
+    for (size_t i = 0; i < model->job->scene.light_count; i++) {
+        if (!model->features.light_is_marched[i]) continue;
+        if (count > 1)
+            fprintf(out, "    if (lamp == %zu) {\n", index++);
+        else
+            fputs("    {\n", out);
+        fprintf(out,
+                "        light = light_%zu(point);\n"
+                "        passed = spectrum_mean(walk_reached_%zu(point, 0u, light));\n    }\n",
+                i, i);
+    }
+}
+
+void scene_glue_write_walk_aim(FILE *out, const struct scene_model *model)
+{
+    fputs("Spectrum walk_turn(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, int order, "
+          "out vec3 outgoing)\n{\n"
+          "    Spectrum behind = walk_scatter(vertex, incoming, weight, outgoing);\n",
+          out);
+    if (scene_glue_walk_has_aims(model)) {
+        write_lamp(out, model);
+        fputs("    float share = walk_aim_share(order, passed);\n"
+              "    if (vertex.left != 0u || share < 0.01) return behind;\n"
+              "    if (walk_random() < share) outgoing = walk_aim_draw(light.direction);\n"
+              "    Spectrum scattered = weight * walk_scattered(vertex, incoming, outgoing);\n"
+              "    float phase = spectrum_mean(scattered) / max(spectrum_mean(weight * walk_scattering(vertex)), "
+              "1e-30);\n"
+              "    return scattered / max(mix(phase, walk_aim_density(light.direction, outgoing), share), 1e-30);\n}\n",
+              out);
+        return;
+    }
+    fputs("    return behind;\n}\n", out);
+}
