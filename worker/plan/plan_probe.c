@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_probe.h"
 
-#include "core/base/alloc.h"
 #include "worker/audit/audit.h"
 #include "worker/picture/image.h"
 #include "worker/plan/finite_check.h"
@@ -78,13 +77,17 @@ static bool see(const struct plan_probe *probe, const struct plan_lattice *latti
     return trace(probe, lattice, seen, fault, error);
 }
 
-static double root_mean_square_change(const struct image *a, const struct image *b)
+// Of the difference between two pictures; `b` may be NULL, for a black one.
+static double root_mean_square(const struct image *a, const struct image *b)
 {
     size_t count = (size_t)a->width_px * (size_t)a->height_px;
     double sum = 0.0;
 
-    for (size_t i = 0; i < 4 * count; i++)
-        if (i % 4 < 3) sum += ((double)a->rgba[i] - b->rgba[i]) * ((double)a->rgba[i] - b->rgba[i]);
+    for (size_t i = 0; i < 4 * count; i++) {
+        double apart = (double)a->rgba[i] - (b ? b->rgba[i] : 0.0);
+
+        if (i % 4 < 3) sum += apart * apart;
+    }
     return sqrt(sum / (3.0 * (double)count));
 }
 
@@ -103,7 +106,7 @@ static bool try_axis(const struct plan_probe *probe, struct plan_retry *retry, c
     job = plan_apply(&varied, probe->params->job);
     if (plan_list_render(probe->params, &job, probe->frame, lattice->pixels, lattice->columns, lattice->rows, &image,
                          &result, error))
-        *change = root_mean_square_change(&image, seen);
+        *change = root_mean_square(&image, seen);
     *fault = result.fault;
     image_finish(&image);
     return !renderer_fault_is_final(*fault);
@@ -130,18 +133,6 @@ bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, d
     return ok;
 }
 
-static double root_mean_square(const struct image *image)
-{
-    struct image black = *image;
-    size_t size_bytes = 4 * sizeof(float) * (size_t)image->width_px * (size_t)image->height_px;
-    double mean;
-
-    black.rgba = xcalloc(1, size_bytes);
-    mean = root_mean_square_change(image, &black);
-    free(black.rgba);
-    return mean;
-}
-
 bool plan_probe_march(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
                       enum renderer_fault *fault, struct error *error)
 {
@@ -159,7 +150,7 @@ bool plan_probe_march(const struct plan_probe *probe, struct plan_retry *retry, 
     lightened.plan = &light;
     plan_probe_init_lattice(&lattice, probe->params->job, probe->image);
     ok = trace(&lightened, &lattice, &seen, fault, error);
-    if (ok) mean = root_mean_square(&seen);
+    if (ok) mean = root_mean_square(&seen, NULL);
     for (int i = 0; ok && i < count && mean > 0.0; i++) {
         double change = 0.0;
 
