@@ -67,7 +67,8 @@ bool scene_glue_walk_has_aims(const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
 
-    if (!features->media_are_lit || scene_features_count_marched(features) == 0 || !is_narrow(model)) return false;
+    if (model->job->scene.orders == 1 || !features->media_are_lit) return false;
+    if (scene_features_count_marched(features) == 0 || !is_narrow(model)) return false;
     return features->tracks_to_lights ? features->has_light_grids : is_thin(model);
 }
 

@@ -7,8 +7,8 @@
 
 struct scene_model;
 
-// Whether some directions are drawn about a lamp, which needs shaders/scatter/aim.glsl: where media scatter in narrow
-// lobes and are thin, or have the grids of lights.
+// Whether some directions are drawn about a lamp, which needs shaders/scatter/aim.glsl: above order 1, where media
+// scatter in narrow lobes and are thin, or have the grids of lights.
 bool scene_glue_walk_has_aims(const struct scene_model *model);
 // After walk_scatter, walk_scattered and walk_reached_I:
 //   walk_turn(point, incoming, vertex, weight, order, outgoing)  draws the direction in which a path goes on behind its

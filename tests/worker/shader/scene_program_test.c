@@ -16,7 +16,6 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -180,32 +179,6 @@ static void even_media_cast_shadows_without_a_march(void **state)
     shader_text_assert_lacks(&program, "placement_transmittance_at(");
     shader_text_assert_lacks(&program, "march_was_cut");
     release(&program, &job);
-}
-
-// Where media scatter widely or are thick, looks for lamps would only take time.
-static void narrow_lobes_of_thin_media_aim_at_lamps(void **state)
-{
-    static const struct {
-        const char *medium, *lights;
-        bool aims;
-    } cases[] = {
-        {"\"sigma_s\": 2, \"phase\": [{\"g\": 0.7}]", BALL_JOB_POINT_LIGHT, true},
-        {"\"sigma_s\": 2, \"phase\": [{\"g\": 0.6}]", BALL_JOB_POINT_LIGHT, false},
-        {"\"sigma_s\": 2, \"sigma_a\": 1.5, \"phase\": [{\"g\": 0.7}]", BALL_JOB_POINT_LIGHT, false},
-        {"\"sigma_s\": 2, \"phase\": [{\"g\": 0.7}]", "\"lights\": [{\"kind\": \"dome\", \"radiance\": 1}]", false},
-    };
-
-    (void)state;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct scene_program program;
-        struct job job;
-        char rest[256];
-
-        snprintf(rest, sizeof rest, "%s, \"quality\": {\"method\": \"paths\", \"paths\": 4}", cases[i].lights);
-        assemble_density(&program, &job, EVEN_BALL "}", cases[i].medium, rest);
-        (cases[i].aims ? shader_text_assert_has : shader_text_assert_lacks)(&program, "walk_aim_draw(");
-        release(&program, &job);
-    }
 }
 
 static void jittered_marches_draw_and_stretches_do_not(void **state)
@@ -476,7 +449,6 @@ int main(void)
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(even_media_without_light_are_not_marched),
         cmocka_unit_test(even_media_cast_shadows_without_a_march),
-        cmocka_unit_test(narrow_lobes_of_thin_media_aim_at_lamps),
         cmocka_unit_test(jittered_marches_draw_and_stretches_do_not),
         cmocka_unit_test(a_falloff_alone_is_smoothed),
         cmocka_unit_test(a_medium_without_density_costs_nothing),
