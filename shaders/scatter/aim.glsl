@@ -21,8 +21,5 @@ vec3 walk_aim_draw(vec3 toward)
 // Per steradian.
 float walk_aim_density(vec3 toward, vec3 direction)
 {
-    float g = WALK_AIM_G;
-    vec3 off = direction - toward; // its square has twice 1 - cos of the angle, and nothing cancels
-    float wide = (1.0 - g) * (1.0 - g) + g * dot(off, off);
-    return (1.0 - g * g) / (12.5663706143591730 * wide * sqrt(wide));
+    return phase_henyey_greenstein(PhaseHenyeyGreenstein(WALK_AIM_G), toward, direction);
 }

@@ -2,39 +2,26 @@
 #include "worker/shader/scene_glue_walk_aim.h"
 
 #include "core/job/job.h"
+#include "core/scene/scene_diameter.h"
 #include "worker/model/scene_model.h"
 
 #include <math.h>
 
 // Set by what measured best (docs/rendering.md); they change noise and time, not the light.
 static const double NARROW = 0.65; // the least g that repays the looks for lamps
-static const double THIN = 6.0;    // the largest optical depth of homogeneous media
+static const double THIN = 6.5;    // the largest optical depth of homogeneous media, along the longest line
 
-// All numbers are those of this time, so that frames share a program.
-static const double TIME = 0.0;
+// Of numbers that move as they like, bounds at all times count, so that frames share a program.
+static const struct timeline_span SPAN = {0.0, 0.0};
 
 static double largest_of(const struct timeline *timeline)
 {
-    double value[3] = {0.0}, most = -INFINITY;
+    double min[3], max[3], most = -INFINITY;
 
-    timeline_evaluate(timeline, TIME, value);
+    timeline_find_bounds(timeline, SPAN, min, max);
     for (int c = 0; c < timeline->component_count; c++)
-        most = fmax(most, value[c]);
+        most = fmax(most, max[c]);
     return most;
-}
-
-static double find_widest(const struct scene_bounds *bounds)
-{
-    switch (bounds->kind) {
-    case SCENE_BOUNDS_SPHERE:
-        return 2.0 * largest_of(&bounds->radius);
-    case SCENE_BOUNDS_BOX:
-        return largest_of(&bounds->size);
-    case SCENE_BOUNDS_NONE:
-    case SCENE_BOUNDS_SLAB:
-        break;
-    }
-    return INFINITY;
 }
 
 static bool is_thin(const struct scene_model *model)
@@ -46,7 +33,7 @@ static bool is_thin(const struct scene_model *model)
 
         if (!model->features.media[i].scatters) continue;
         depth += (largest_of(&medium->sigma_s) + largest_of(&medium->sigma_a)) *
-                 largest_of(&medium->density.homogeneous.scale) * find_widest(&medium->density.bounds);
+                 largest_of(&medium->density.homogeneous.scale) * scene_diameter_of_density(&medium->density, SPAN);
     }
     return depth <= THIN;
 }
