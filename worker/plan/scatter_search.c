@@ -47,6 +47,8 @@ struct walk {
     int coarse_rung;
     double coarse_cells;
     bool is_coarse_sure;
+    int first_coarse_rung; // the first such grid, from which on its power tells how cells become less
+    double first_coarse_cells;
     // The noise of one path of each node, times the number of cells along a side, as pixels see nodes along a ray: the
     // largest of all grids that were tried, and their sum.
     double noise, noise_sum;
@@ -156,17 +158,19 @@ struct estimate {
     double cells, spread;
 };
 
-// What is measured and what coarser grids foretell are weighed by the inverses of their variances. Those had walks from
-// their nodes, and foretell nothing of particles.
+// What is measured and what coarser grids foretell are weighed by the inverses of their variances. A measurement that
+// is above that by more than its chance contradicts it: light that is not smooth, as in a skin that is thinner than a
+// cell, which is then foretold as badly as that. Those had walks from their nodes, and foretell nothing of particles.
 static struct estimate find_cells(const struct walk *walk, const struct scatter_setting *setting,
                                   const struct scatter_measured *measured)
 {
     double foretold = setting->is_from_lights ? 0.0 : expect_cells(walk, setting->grid_rung, USUAL);
-    double spread = USUAL_SPREAD * foretold, trust;
+    double above = measured->cells - foretold, spread, trust;
 
     if (foretold == 0.0) return (struct estimate){sure_cells(walk, measured), INFINITY};
+    spread = fmax(USUAL_SPREAD * foretold, above - measured->chance);
     trust = spread * spread / (spread * spread + measured->chance * measured->chance);
-    return (struct estimate){fmax(foretold + trust * (measured->cells - foretold), 0.0), spread * sqrt(1.0 - trust)};
+    return (struct estimate){fmax(foretold + trust * above, 0.0), spread * sqrt(1.0 - trust)};
 }
 
 static void note_grid(struct walk *walk, const struct scatter_setting *setting, const struct scatter_measured *measured,
@@ -179,9 +183,22 @@ static void note_grid(struct walk *walk, const struct scatter_setting *setting, 
     walk->noise_sum += noise;
     walk->noise_count++;
     if (cells <= CELLS_SHARE * wanted) return;
+    if (walk->first_coarse_cells == 0.0 || setting->grid_rung < walk->first_coarse_rung) {
+        walk->first_coarse_rung = setting->grid_rung;
+        walk->first_coarse_cells = cells;
+    }
     walk->coarse_rung = setting->grid_rung;
     walk->coarse_cells = cells;
     walk->is_coarse_sure = measured->chance <= UNSURE * wanted;
+}
+
+// The power by which cells of coarse grids became less, at most STEEPEST.
+static double find_power(const struct walk *walk)
+{
+    double finer = (double)scatter_grid_cells[walk->coarse_rung] / scatter_grid_cells[walk->first_coarse_rung];
+
+    if (!(finer > 1.0)) return STEEPEST;
+    return fmin(fmax(log(walk->first_coarse_cells / walk->coarse_cells) / log(finer), 0.0), STEEPEST);
 }
 
 // Where all grids that could be tried are too coarse, chooses one from `rung` on by what they tell: nothing that would
@@ -192,7 +209,7 @@ static void guess_grid(struct walk *walk, int rung)
 
     if (walk->finding.is_found && !walk->is_coarse_sure) return;
     for (; walk->coarse_cells > 0.0 && rung <= GRID_GUESSED; rung++) {
-        double cells = expect_cells(walk, rung, STEEPEST), noise = walk->noise / scatter_grid_cells[rung];
+        double cells = expect_cells(walk, rung, find_power(walk)), noise = walk->noise / scatter_grid_cells[rung];
         int paths;
 
         if (cells > CELLS_SHARE * wanted) continue;
