@@ -32,6 +32,7 @@ enum { WIDTH_PX = 24, HEIGHT_PX = 14, PIXELS = WIDTH_PX * HEIGHT_PX, STRATUM_LIM
 // Nothing but a black light moves: all frames show the same light, and share no random number.
 enum { FRAME = 13, OTHER_FRAME = 14, POOL_FRAME = 15 };
 enum { SOLIDS_EVERY = 3 }; // scenes that paths alone show
+enum { FEW_STRIDE = 4 };   // px, where most are interpolated
 
 static const double TRUTH_SHARE = 0.3, TRUTH_FLOOR = 0.1; // the truth's accuracy relative to the tolerance, as audits'
 static const double COVERED = 0.93;
@@ -188,6 +189,11 @@ static void fill_pool(const struct campaign *campaign, const struct sight *sight
     truth_close(truth);
 }
 
+static const char *way_of(const struct job_quality *quality)
+{
+    return quality->pixels.stride > 0 ? "few pixels" : job_method_name(quality->method);
+}
+
 // Audits the picture several times, each time in other pixels. `pool` may be NULL.
 static void audit_picture(struct campaign *campaign, const struct sight *sight, const struct job *drawn,
                           const struct image *image, const struct audit_pool *pool, const char *kind)
@@ -218,14 +224,14 @@ static void audit_picture(struct campaign *campaign, const struct sight *sight, 
     }
     add(campaign, kind, &own);
     if (!pool) {
-        snprintf(name, sizeof name, "by %s", job_method_name(drawn->quality.method));
+        snprintf(name, sizeof name, "by %s", way_of(&drawn->quality));
         add(campaign, name, &own);
         snprintf(name, sizeof name, "of %g %%", 100.0 * sight->tolerance);
         add(campaign, name, &own);
     }
     if (10 * own.covered < 9 * own.audits)
         printf("scene %d by %s, %s: truly %.2e of %g; the bound holds in %d of %d\n", campaign->seed,
-               job_method_name(drawn->quality.method), kind, truly, sight->tolerance, own.covered, own.audits);
+               way_of(&drawn->quality), kind, truly, sight->tolerance, own.covered, own.audits);
 }
 
 static void try_quality(struct campaign *campaign, const struct sight *sight, const struct job_quality *quality)
@@ -266,7 +272,7 @@ static double try_error(const struct campaign *campaign, const struct sight *sig
     return error;
 }
 
-// So many paths that their noise is around the tolerance: where a wrong bound matters.
+// So many paths that their noise is around the tolerance: where a wrong bound matters. Once also in few pixels.
 static void try_paths(struct campaign *campaign, const struct sight *sight)
 {
     struct job_quality quality = {.method = JOB_METHOD_PATHS, .samples = 1, .paths = 64, .max_cut = 1.0};
@@ -278,6 +284,9 @@ static void try_paths(struct campaign *campaign, const struct sight *sight)
         quality.paths = (int)fmin(fmax(64.0 * pow(error / wanted, 2.0), 1.0), 20000.0);
         try_quality(campaign, sight, &quality);
     }
+    quality.step = 0.02; // of the march of what is seen
+    quality.pixels = (struct job_pixels){.stride = FEW_STRIDE, .threshold = sight->tolerance};
+    try_quality(campaign, sight, &quality);
 }
 
 // The first grid within the tolerance, and one before it.

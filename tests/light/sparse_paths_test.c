@@ -211,13 +211,39 @@ static void few_pixels_have_less_noise(void **state)
     job_finish(&job);
 }
 
+// Frames with random numbers of their own differ by the noise of both. Interpolated pixels have less than is told.
+static void frames_tell_their_noise(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct renderer_result result;
+    struct image one, other;
+    double apart = 0, light = 0, noise;
+    struct job job;
+
+    (void)state;
+    parse(&job, EVEN, SUN, SPARSE("64", "4"), WIDE, HIGH);
+    one = sparse_pair_frame(stage.renderer, &job, 0, job.quality.pixels, &result);
+    other = sparse_pair_frame(stage.renderer, &job, 1, job.quality.pixels, &result);
+    for (size_t i = 0; i < (size_t)4 * WIDE * HIGH; i++) {
+        if (i % 4 == 3) continue;
+        apart += pow((double)one.rgba[i] - other.rgba[i], 2) / 2;
+        light += (double)other.rgba[i] * other.rgba[i];
+    }
+    noise = sqrt(apart / light);
+    print_message("noise: %.3e told, %.3e found, %.1f %% traced\n", result.noise, noise, 100 * result.traced);
+    assert_true(noise > 0.55 * result.noise && noise < 1.1 * result.noise);
+    image_finish(&one);
+    image_finish(&other);
+    gl_stage_close(stage);
+    job_finish(&job);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(layers_add_up_to_all_light),
-        cmocka_unit_test(what_is_seen_has_no_noise),
-        cmocka_unit_test(halves_tell_the_noise),
-        cmocka_unit_test(few_pixels_have_less_noise),
+        cmocka_unit_test(layers_add_up_to_all_light), cmocka_unit_test(what_is_seen_has_no_noise),
+        cmocka_unit_test(halves_tell_the_noise),      cmocka_unit_test(few_pixels_have_less_noise),
+        cmocka_unit_test(frames_tell_their_noise),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations

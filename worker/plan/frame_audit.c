@@ -18,6 +18,7 @@ struct auditing {
     const struct frame_audit *audit;
     const struct job *planned;
     struct pixel_audit pixels;
+    bool is_joined; // what interpolated pixels add is judged apart, and joined with what the traced ones lack
     enum renderer_fault *fault;
     struct error *error;
 };
@@ -77,7 +78,7 @@ static bool audit_against_reference(struct auditing *auditing, const struct audi
                                     .pool = is_pooled ? &kept->evidence.pool : NULL,
                                     .tolerance = params->job->quality.tolerance,
                                     .is_replaceable = audit->is_replaceable,
-                                    .on_trace = audit->image->doubts ? on_trace : NULL,
+                                    .on_trace = auditing->is_joined ? on_trace : NULL,
                                     .interpolation = *interpolation,
                                     .on_progress = on_progress,
                                     .user = auditing};
@@ -133,10 +134,12 @@ bool frame_audit_run(const struct frame_audit *audit, struct audit_result *resul
     *fault = RENDERER_FAULT_NONE;
     auditing.pixels = (struct pixel_audit){
         .params = audit->params, .planned = &planned, .frame = audit->frame, .image = audit->image};
-    if (audit->image->doubts && !pixel_audit_measure(&auditing.pixels, &verdict, fault, error)) return false;
+    // Noise of random paths looks like interpolation: such a picture is compared as it is.
+    auditing.is_joined = audit->image->doubts && planned.quality.method != JOB_METHOD_PATHS;
+    if (auditing.is_joined && !pixel_audit_measure(&auditing.pixels, &verdict, fault, error)) return false;
     if (!(truth_has_twin(audit->params->job) ? audit_against_reference(&auditing, &verdict, result)
                                              : audit_by_steps(&auditing, result)))
         return false;
-    if (audit->image->doubts) add_interpolation(result, &verdict);
+    if (auditing.is_joined) add_interpolation(result, &verdict);
     return true;
 }

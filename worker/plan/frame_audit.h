@@ -27,7 +27,8 @@ struct frame_audit {
 
 // Compares some of the frame's pixels, traced, with reference/ or, where code of the user's has no twin, with finer
 // steps. Of a frame that has interpolated pixels, some are traced for comparison, too (pixel_audit.h): both errors add
-// up by their squares, and both bounds by the triangle inequality. False when it was stopped, or with the fault of what
+// up by their squares, and both bounds by the triangle inequality. A frame by random paths, whose noise would look like
+// interpolation, is compared as it is. False when it was stopped, or with the fault of what
 // could not be rendered or read.
 bool frame_audit_run(const struct frame_audit *audit, struct audit_result *result, enum renderer_fault *fault,
                      struct error *error);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan.h"
 
+#include "core/job/job_layers.h"
 #include "worker/plan/plan_family.h"
 
 bool plan_refine(struct plan *plan, const struct job *job, int rungs)
@@ -63,5 +64,11 @@ struct job plan_apply(const struct plan *plan, const struct job *job)
 
     planned.quality = plan->quality;
     planned.quality.pixels = plan->pixels;
+    if (job_layers_are_two(&planned)) {
+        struct plan_scene scene;
+
+        plan_scene_init(&scene, job);
+        plan_family_add_seen(&scene, &planned.quality);
+    }
     return planned;
 }

@@ -21,7 +21,9 @@ enum {
     TRANSMITTANCE_RUNGS = 9, // the last is 0: no ray ends early
     BAKED_OCTAVES = 3,
     SMALL_LEVEL_LIMIT = 6,
-    UNBAKED_RUNG = 9 // above 128 cells, where filling takes longer than it saves: the density itself is evaluated
+    SEEN_RUNG = 10,       // 512 steps,
+    SEEN_VOXELS_RUNG = 8, // or two a voxel
+    UNBAKED_RUNG = 9      // above 128 cells, where filling takes longer than it saves: the density itself is evaluated
 };
 
 // The coarsest rungs, set by hand: tests/worker/plan/tolerance_random_test and bench/predictions start from them.
@@ -320,6 +322,13 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
         family->method != JOB_METHOD_CACHED)
         set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
     return quality;
+}
+
+void plan_family_add_seen(const struct plan_scene *scene, struct job_quality *quality)
+{
+    if (!serves_marched(scene)) return;
+    set_axis(quality, PLAN_AXIS_STEP, scene,
+             scene->counts_voxels ? SEEN_VOXELS_RUNG : SEEN_RUNG + 2 * scene->small_level);
 }
 
 bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene)

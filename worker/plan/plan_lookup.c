@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_lookup.h"
 
+#include "core/job/job_layers.h"
+
 #include <math.h>
 
 // Another machine's exp2 may round otherwise.
@@ -89,9 +91,13 @@ static bool find_point(const struct plan_family *family, const struct plan_scene
 bool plan_lookup(const struct plan_scene *scene, const struct job_quality *quality, size_t *family,
                  struct plan_point *point)
 {
+    struct job_quality own = *quality;
+
+    // What plan_apply adds is of no family.
+    if (job_layers_are_two(&(struct job){.quality = own})) own.step = own.step_voxels = 0.0;
     for (*family = 0; *family < plan_family_count; ++*family)
         if (plan_family_serves(&plan_families[*family], scene) &&
-            find_point(&plan_families[*family], scene, quality, point))
+            find_point(&plan_families[*family], scene, &own, point))
             return true;
     return false;
 }

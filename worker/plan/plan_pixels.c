@@ -3,10 +3,13 @@
 
 #include "core/base/log.h"
 #include "core/job/job_pixels.h"
+#include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 #include "worker/plan/pixel_audit.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_family.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_scatter.h"
 #include "worker/plan/plan_small.h"
 
 #include <math.h>
@@ -16,7 +19,10 @@ enum {
     TRIES = 2,
     LONG = 8,        // frames
     STRIDE_FINE = 4, // px: a sixteenth of the pixels is traced, which in these scenes are hardly more
+    STRIDE_LEAST = 2,
     STRIDE_MOST = 64,
+    TRIAL_PART = 16, // of a plan's paths: those of its trial
+    TRIAL_LEAST = 64,
     SIDE_STRIDE = 1920 // px: the longer side for which strides are meant; double strides from the double of it on
 };
 
@@ -30,21 +36,28 @@ static const double COARSER_SMALL = 2.0, SMALL = 1e6;
 static const double CAUTION = 0.8;     // of the share: errors may rise faster than the threshold
 static const double GPU_WORK = 5000.0; // evaluations a pixel; not measured on a GPU
 static const double TRACED_MOST = 0.6; // share of the pixels; above it all are traced
+// Random paths of a frame with which few pixels of many paths repay their trial and its linking.
+static const double PATHS_LEAST = 1e7;
+static const double NOISE_SHARE = 0.6; // of the tolerance: that of a frame whose pixels are interpolated
+static const double UNEXPLAINED = 1.5; // times its noise: an error
 // Above it a finer threshold is not tried; in segments of LONG frames and more, which repay it, not above TRACED_LONG.
 static const double TRACED_AGAIN = 0.35, TRACED_LONG = 0.5;
 
-static bool is_worthwhile(const struct job *job, enum job_method method)
+static bool is_worthwhile(const struct job *job, const struct job_quality *quality)
 {
     const struct scene *scene = &job->scene;
     bool is_still = scene_is_constant(scene);
     // Each level would fill the grids of each moment anew.
-    bool moves_grids =
-        method == JOB_METHOD_CACHED && job->quality.samples > 1 && !is_still && scene->camera.shutter > 0.0;
+    bool moves_grids = (quality->method == JOB_METHOD_CACHED || quality->light_grid > 0) && quality->samples > 1 &&
+                       !is_still && scene->camera.shutter > 0.0;
 
     if (job->width_px < SIDE_MIN || job->height_px < SIDE_MIN || moves_grids) return false;
+    if (job_pixels_obstacle(scene, quality->method)) return false;
+    if (quality->method == JOB_METHOD_PATHS)
+        return truth_has_twin(job) &&
+               (double)job->width_px * job->height_px * quality->samples * quality->paths >= PATHS_LEAST;
     // Frames that are all the same are copied.
-    if (is_still && frame_range_count(&job->frames) > 1) return false;
-    return method != JOB_METHOD_PATHS && !job_pixels_obstacle(scene, method);
+    return !is_still || frame_range_count(&job->frames) == 1;
 }
 
 // Interpolation and reading lists back take tens of milliseconds of a processor in a frame of two million pixels.
@@ -72,26 +85,39 @@ static double round_digits(double value)
     return floor(value / unit) * unit;
 }
 
-// Renders a frame by the plan and measures what interpolation adds. `traced` is 1 where that cannot be done.
+// Renders the segment's middle frame by the plan. False where that cannot be done.
+static bool render_middle(const struct plan *plan, const struct plan_params *params, enum renderer_stream stream,
+                          struct image *image, struct renderer_result *result, struct error *error)
+{
+    const struct plan_segment *segment = &params->segment;
+    struct job planned = plan_apply(plan, params->job);
+    int32_t frame = frame_range_at(&params->job->frames, segment->first + segment->count / 2);
+
+    *result = (struct renderer_result){.fault = RENDERER_FAULT_FRAME};
+    return image_init_for_job(image, &planned, error) &&
+           renderer_render(params->renderer,
+                           &(struct renderer_frame){.job = &planned,
+                                                    .frame = frame,
+                                                    .stream = stream,
+                                                    .image = image,
+                                                    .on_progress = plan_small_on_tile,
+                                                    .user = (void *)params},
+                           result, error);
+}
+
+// Renders it and measures what interpolation adds. `traced` is 1 where that cannot be done.
 static bool measure(struct plan *plan, const struct plan_params *params, struct audit_verdict *verdict,
                     enum renderer_fault *fault, struct error *error)
 {
     const struct plan_segment *segment = &params->segment;
     struct job planned = plan_apply(plan, params->job);
     struct image image = {0};
-    struct renderer_result result = {.fault = RENDERER_FAULT_FRAME};
+    struct renderer_result result;
     struct pixel_audit audit = {.params = params,
                                 .planned = &planned,
                                 .frame = frame_range_at(&params->job->frames, segment->first + segment->count / 2),
                                 .image = &image};
-    bool ok = image_init_for_job(&image, &planned, error) &&
-              renderer_render(params->renderer,
-                              &(struct renderer_frame){.job = &planned,
-                                                       .frame = audit.frame,
-                                                       .image = &image,
-                                                       .on_progress = plan_small_on_tile,
-                                                       .user = (void *)params},
-                              &result, error);
+    bool ok = render_middle(plan, params, RENDERER_STREAM_PICTURE, &image, &result, error);
 
     *fault = result.fault;
     *verdict = (struct audit_verdict){.error = INFINITY};
@@ -132,6 +158,54 @@ static void coarsen(struct plan *plan, double threshold)
     plan->pixels.threshold = threshold;
 }
 
+// So many paths of a pixel that the noise is what the plan aims at, where `paths` have `noise`.
+static void set_paths(struct plan *plan, const struct job *job, int paths, double noise)
+{
+    double wanted = paths * pow(noise / (NOISE_SHARE * job->quality.tolerance), 2.0);
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    struct plan_scene scene;
+    int count;
+
+    plan_scene_init(&scene, job);
+    count = plan_family_axes(&plan_families[plan->family], &scene, axes);
+    for (int i = 0; i < count; i++)
+        if (axes[i] == PLAN_AXIS_PIXEL_PATHS)
+            plan->point.rungs[i] = (int)fmin(fmax(ceil(2.0 * log2(wanted)), 0.0), plan_axis_last_rung(axes[i], &scene));
+    plan->quality = plan_family_quality(&plan_families[plan->family], &scene, &plan->point);
+    plan->work = plan_family_work(&scene, &plan->quality);
+    plan->paths_square = noise * noise * paths / plan->quality.paths;
+    plan_scatter_describe_paths(plan);
+}
+
+// A trial of few paths tells how many pixels are traced, and the noise of all of these: more than the plan's own few
+// pixels do.
+static bool choose_of_paths(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                            struct error *error)
+{
+    struct plan trial = *plan;
+    struct image image = {0};
+    struct renderer_result result;
+    double paths = plan->quality.paths, pace;
+    bool ok;
+
+    trial.quality.paths = (int)fmax(paths / TRIAL_PART, fmin(paths, TRIAL_LEAST));
+    ok = render_middle(&trial, params, RENDERER_STREAM_PLAN, &image, &result, error);
+    *fault = result.fault;
+    image_finish(&image);
+    if (!ok || result.traced > TRACED_MOST) {
+        trace_all(plan);
+        return ok || !renderer_fault_is_final(*fault);
+    }
+    plan->predicted_traced = result.traced;
+    if (result.noise > 0.0) set_paths(plan, params->job, trial.quality.paths, result.noise);
+    pace = result.traced * plan->quality.paths / paths;
+    log_debug("plan: pixels: %d paths of %.1f %% have a noise of %.2e: %d", trial.quality.paths, 100.0 * result.traced,
+              result.noise, plan->quality.paths);
+    plan->predicted_s *= pace;
+    plan->predicted_processor_s *= pace;
+    return true;
+}
+
 bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                         struct error *error)
 {
@@ -140,10 +214,10 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
 
     *fault = RENDERER_FAULT_NONE;
     trace_all(plan);
-    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method) ||
-        !is_dear(params, plan))
+    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, &plan->quality) || !is_dear(params, plan))
         return true;
     plan->pixels = (struct job_pixels){.stride = find_stride(params->job), .threshold = tolerance};
+    if (plan->quality.method == JOB_METHOD_PATHS) return choose_of_paths(plan, params, fault, error);
     for (int tried = 0; tried < TRIES; tried++) {
         struct audit_verdict verdict;
 
@@ -160,6 +234,16 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
         plan->pixels.threshold = find_threshold(plan, share, tolerance, verdict.error);
     }
     trace_all(plan);
+    return true;
+}
+
+bool plan_pixels_refine_paths(struct plan *plan, double noise, double error)
+{
+    if (plan->quality.method != JOB_METHOD_PATHS || plan->pixels.stride == 0 || error <= UNEXPLAINED * noise)
+        return false;
+    plan->pixels.threshold *= 0.5;
+    plan->pixels.stride /= 2;
+    if (plan->pixels.stride < STRIDE_LEAST) trace_all(plan);
     return true;
 }
 

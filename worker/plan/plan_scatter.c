@@ -291,14 +291,20 @@ static bool find_paths_family(struct plan_scatter *scatter, const struct plan_sc
     return false;
 }
 
+void plan_scatter_describe_paths(struct plan *plan)
+{
+    snprintf(plan->reason, sizeof plan->reason,
+             "%d paths of each %spixel: no grid of scattered light is known to be cheaper", plan->quality.paths,
+             plan->pixels.stride > 0 ? "traced " : "");
+}
+
 static void describe(struct plan *plan, const struct scatter_finding *finding)
 {
     char reason[PLAN_REASON_SIZE];
 
     memcpy(reason, plan->reason, sizeof reason);
     if (finding->setting.grid_rung == SCATTER_PIXELS)
-        snprintf(plan->reason, sizeof plan->reason,
-                 "%d paths of each pixel: no grid of scattered light is known to be cheaper", plan->quality.paths);
+        plan_scatter_describe_paths(plan);
     else
         snprintf(plan->reason, sizeof plan->reason, "%d cells of scattered light with %d %s each; first order: %.200s",
                  plan->quality.scatter_grid, plan->quality.paths,

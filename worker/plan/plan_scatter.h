@@ -24,3 +24,5 @@ struct job plan_scatter_first_job(const struct plan_scatter *scatter);
 // Turns that job's plan into one of all orders. On failure `fault` is one of the renderer's.
 bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum renderer_fault *fault,
                            struct error *error);
+// Writes the reason of a plan that has paths of pixels, again where their number or the pixels have changed.
+void plan_scatter_describe_paths(struct plan *plan);

@@ -158,17 +158,19 @@ struct estimate {
     double cells, spread;
 };
 
-// What is measured and what coarser grids foretell are weighed by the inverses of their variances. A measurement that
-// is above that by more than its chance contradicts it: light that is not smooth, as in a skin that is thinner than a
-// cell, which is then foretold as badly as that. Those had walks from their nodes, and foretell nothing of particles.
+// What is measured and what coarser grids foretell are weighed by the inverses of their variances. A sure measurement
+// that is above the latter by more than its chance contradicts it: light that is not smooth, as in a skin that is
+// thinner than a cell, is foretold as badly as that. Coarser grids had walks from their nodes, and foretell nothing of
+// particles.
 static struct estimate find_cells(const struct walk *walk, const struct scatter_setting *setting,
                                   const struct scatter_measured *measured)
 {
+    double wanted = walk->search->target * walk->search->target;
     double foretold = setting->is_from_lights ? 0.0 : expect_cells(walk, setting->grid_rung, USUAL);
-    double above = measured->cells - foretold, spread, trust;
+    double above = measured->cells - foretold, spread = USUAL_SPREAD * foretold, trust;
 
     if (foretold == 0.0) return (struct estimate){sure_cells(walk, measured), INFINITY};
-    spread = fmax(USUAL_SPREAD * foretold, above - measured->chance);
+    if (measured->chance <= UNSURE * wanted) spread = fmax(spread, above - measured->chance);
     trust = spread * spread / (spread * spread + measured->chance * measured->chance);
     return (struct estimate){fmax(foretold + trust * above, 0.0), spread * sqrt(1.0 - trust)};
 }

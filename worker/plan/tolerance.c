@@ -268,6 +268,8 @@ static bool choose_next(struct rendering *rendering, double error_before, struct
         plan_pixels_refine(plan, best->interpolation_error, best->tolerance);
         return true;
     }
+    *plan = rendering->best.plan;
+    if (plan_pixels_refine_paths(plan, rendering->best.result.render.noise, error)) return true;
     gain = rendering->best.plan.quality.scatter_grid > 0 ? SCATTERED_GAIN : GAIN;
     if (rendering->retry.count > 0 && !(error <= gain * error_before) && change_family(rendering, plan)) return true;
     *plan = rendering->best.plan;
@@ -435,7 +437,7 @@ static bool render_repeated(struct rendering *rendering)
 
     plan.quality.pixels = (struct job_pixels){0};
     plan_scene_init(&scene, params->job);
-    if (!plan_lookup(&scene, &plan.quality, &plan.family, &plan.point)) {
+    if (!plan_lookup(&scene, params->repeated, &plan.family, &plan.point)) {
         result->render.fault = RENDERER_FAULT_JOB;
         error_set(rendering->error, "marchd:quality: expected settings that a plan of this version chooses");
         return false;

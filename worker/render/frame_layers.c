@@ -4,6 +4,7 @@
 #include "core/job/job_layers.h"
 #include "worker/picture/image.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -53,16 +54,22 @@ static bool render_scattered(struct renderer *renderer, frame_layers_render *ren
            render(renderer, &layer, result, error);
 }
 
-static void add(struct image *image, struct image *light)
+// Returns the noise of the sum. Interpolated pixels have less than the points around them, as which they count.
+static double add(struct image *image, struct image *light)
 {
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
     uint8_t *doubts = light->doubts;
+    double noise = 0.0, power = 0.0;
 
     for (size_t i = 0; i < count; ++i)
-        for (size_t c = 0; c < 3; ++c)
+        for (size_t c = 0; c < 3; ++c) {
             image->rgba[4 * i + c] += light->rgba[4 * i + c];
+            noise += pow(light->transmittance[4 * i + c], 2.0);
+            power += pow(image->rgba[4 * i + c], 2.0);
+        }
     light->doubts = image->doubts;
     image->doubts = doubts;
+    return power > 0.0 ? sqrt(noise / power) : 0.0;
 }
 
 bool frame_layers_add(struct renderer *renderer, frame_layers_render *render, const struct renderer_frame *frame,
@@ -77,7 +84,7 @@ bool frame_layers_add(struct renderer *renderer, frame_layers_render *render, co
         return false;
     }
     ok = render_scattered(renderer, render, frame, &light, result, error);
-    if (ok) add(frame->image, &light);
+    if (ok) result->noise = add(frame->image, &light);
     result->seconds += seen.seconds;
     result->cache_fills += seen.cache_fills;
     result->walks += seen.walks;

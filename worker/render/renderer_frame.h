@@ -28,6 +28,7 @@ struct renderer_result {
     char picture_hash[HASH_TEXT_SIZE];            // as renderer_hash_picture makes it
     double step;                                  // m, along camera rays
     double traced;                                // share of the frame's samples that were traced; 1 for lists
+    double noise;                                 // of random paths, relative RMSE, where layers know it; else 0
     struct ray_counts ray_counts;                 // also set for a copy
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "tests/support/example_job.h"
 #include "tests/support/plan_keeper.h"
 #include "tests/support/tolerance_stage.h"
@@ -226,6 +227,94 @@ static void a_frame_over_its_tolerance_gets_a_finer_threshold(void **state)
     assert_int_equal(plan.pixels.stride, 0);
 }
 
+// What noise does not explain is the pixels' fault.
+static void a_frame_by_paths_gets_a_finer_lattice(void **state)
+{
+    struct plan plan = {.quality = {.method = JOB_METHOD_PATHS}, .pixels = {4, 0.02}};
+
+    assert_false(plan_pixels_refine_paths(&plan, 0.02, 0.028));
+    assert_true(plan_pixels_refine_paths(&plan, 0.01, 0.028));
+    assert_true(plan.pixels.stride == 2 && plan.pixels.threshold == 0.01);
+    assert_true(plan_pixels_refine_paths(&plan, 0.01, 0.028));
+    assert_int_equal(plan.pixels.stride, 0);
+    assert_false(plan_pixels_refine_paths(&plan, 0.01, 0.028));
+    plan = (struct plan){.quality = {.method = JOB_METHOD_CACHED}, .pixels = {4, 0.02}};
+    assert_false(plan_pixels_refine_paths(&plan, 0.0, 0.028));
+}
+
+// Noise over a floor, which no grid of scattered light shows.
+static struct job noise_job(double tolerance)
+{
+    static const char *const TEXT =
+        "{\"version\": 1, \"name\": \"few\", \"frames\": \"120-121\", \"fps\": 1, \"resolution\": [256, 160],"
+        " \"camera\": {\"position\": [0, 0.3, 4], \"target\": [0, 0, 0], \"fov\": 40},"
+        " \"lights\": [{\"kind\": \"sun\", \"direction\": [-1, -2, -1],"
+        " \"intensity\": {\"keys\": [[120, 2], [121, 3]]}}],"
+        " \"scene\": {\"scattering\": {\"orders\": \"all\"},"
+        " \"objects\": [{\"kind\": \"plane\", \"point\": [0, -1, 0], \"normal\": [0, 1, 0],"
+        " \"material\": {\"kind\": \"diffuse\", \"albedo\": [0.5, 0.4, 0.3]}}],"
+        " \"media\": [{\"sigma_s\": 2, \"sigma_a\": 0.1, \"density\": {\"kind\": \"noise\", \"frequency\": 1.5,"
+        " \"octaves\": 1, \"scale\": 1.5, \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0],"
+        " \"radius\": 1}}}]}, \"quality\": {\"tolerance\": 0.05}, \"output\": {\"path\": \"a.####.exr\"}}";
+    struct error error = {{0}};
+    struct job job;
+
+    if (!job_parse(&job, TEXT, strlen(TEXT), NULL, &error)) fail_msg("%s", error.message);
+    job.quality.tolerance = tolerance;
+    return job;
+}
+
+// Their noise is what the plan aims at, a repetition has the same bits, and noise is not taken for interpolation.
+static void frames_by_paths_trace_a_part_of_their_pixels(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = noise_job(0.015);
+    struct image image = tolerance_stage_make_image(&job), again = tolerance_stage_make_image(&job);
+    struct tolerance_result result = render(stage, &job, NULL, &image);
+
+    print_message("%d paths of %.1f %%, stride %d, threshold %g: noise %.2e, audited %.2e, %s\n", result.quality.paths,
+                  100.0 * result.render.traced, result.quality.pixels.stride, result.quality.pixels.threshold,
+                  result.render.noise, result.audit.error, result.reason);
+    assert_int_equal(result.quality.method, JOB_METHOD_PATHS);
+    assert_int_equal(result.quality.pixels.stride, 4);
+    assert_true(result.render.traced < 0.6);
+    assert_true(result.render.noise > 0.3 * 0.015 && result.render.noise < 0.65 * 0.015);
+    assert_true(result.audit.error <= 0.015 && result.audit.interpolation_error == 0.0);
+    (void)render(stage, &job, &result.quality, &again);
+    assert_memory_equal(image.rgba, again.rgba, (size_t)4 * 256 * 160 * sizeof *image.rgba);
+    image_finish(&again);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+    (void)state;
+}
+
+static void a_frame_by_paths_that_lacks_pixels_gets_more_of_them(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct plan_keeper keeper = {0};
+    const struct plan_source source = plan_keeper_source(&keeper);
+    struct job job = noise_job(0.015);
+    struct image image = tolerance_stage_make_image(&job);
+    struct tolerance_params params = {.job = &job, .serial = 1, .frame = 120, .image = &image, .source = &source};
+    struct tolerance_result result;
+    int paths;
+
+    (void)state;
+    assert_true(tolerance_render(stage.tolerance, &params, &result, NULL));
+    paths = keeper.plan.quality.paths;
+    keeper.plan.quality.pixels = (struct job_pixels){8, 0.5};
+    keeper.number++;
+    params.frame = 121;
+    assert_true(tolerance_render(stage.tolerance, &params, &result, NULL));
+    assert_true(result.retry_count > 0 && result.first_error > 0.015 && result.audit.error <= 0.015);
+    assert_int_equal(result.quality.paths, paths);
+    assert_true(result.quality.pixels.stride < 8);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 // One argument: the tests to run, by a pattern.
 int main(int argc, char *argv[])
 {
@@ -237,6 +326,9 @@ int main(int argc, char *argv[])
         cmocka_unit_test(larger_pictures_have_a_stride_of_the_same_share),
         cmocka_unit_test(scenes_with_objects_get_a_finer_lattice),
         cmocka_unit_test(a_frame_over_its_tolerance_gets_a_finer_threshold),
+        cmocka_unit_test(a_frame_by_paths_gets_a_finer_lattice),
+        cmocka_unit_test(frames_by_paths_trace_a_part_of_their_pixels),
+        cmocka_unit_test(a_frame_by_paths_that_lacks_pixels_gets_more_of_them),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
