@@ -15,6 +15,7 @@ struct Walk {
     Spectrum weight;
     uint random; // state of the random numbers
     uint left;   // the shapes on whose boundary `origin` lies, a bit each
+    float aimed; // of this flight: the density of second paths that might fly so, relative to that of this one
 };
 
 const int WALK_LIMIT = 3 * WALK_TURNS; // a flight to a light may go on to so many
@@ -26,7 +27,7 @@ uint walk_steps = 0u; // that were taken here, as walks from nodes count theirs
 Walk walk_none(int passes)
 {
     return Walk(spectrum(0.0), spectrum(0.0), vec2(0.0), -passes - 1, 0, vec3(0.0), vec3(0.0, 0.0, 1.0), FAR_AWAY,
-                spectrum(0.0), 0u, 0u);
+                spectrum(0.0), 0u, 0u, 0.0);
 }
 
 // The mean distance where most of the rays' transmittance fell to one half, and 1; else 0.
@@ -45,10 +46,10 @@ Spectrum walk_thin(Spectrum weight, float least)
 
 // The light of a flight of `weight` that the media emit at a point where the flight has one of `rate` samples a metre,
 // and whether it is scattered there. The weight becomes that of what happens.
-bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
+bool walk_meet(MediaField field, vec3 point, float rate, bool is_aside, inout Walk walk)
 {
     Spectrum thin = max(1.0 - walk_extinction(field) / rate, spectrum(0.0));
-    if (walk.order > 0 || !WALK_IS_LAYER) walk.light += walk.weight * walk_emission(field, point) / rate;
+    if (!is_aside && (walk.order > 0 || !WALK_IS_LAYER)) walk.light += walk.weight * walk_emission(field, point) / rate;
     float scattered = spectrum_mean(walk.weight * walk_scattering(field)) / rate;
     float odds = scattered / max(scattered + spectrum_mean(walk.weight * thin), 1e-30);
     bool is_met = odds > 0.0 && walk_random() < odds;
@@ -58,10 +59,10 @@ bool walk_meet(MediaField field, vec3 point, float rate, inout Walk walk)
 
 // The same, with the light that is known to reach the point: where it is looked up without a flight, what is expected
 // at each of the majorant's particles has less noise than what is found where the path is scattered.
-bool walk_reach(WalkVertex met, vec3 point, float rate, inout Walk walk)
+bool walk_reach(WalkVertex met, vec3 point, float rate, bool is_aside, inout Walk walk)
 {
-    if (WALK_GATHERS) walk_known(point, walk.direction, met, walk.weight / rate, walk.light);
-    return walk_meet(met.field, point, rate, walk);
+    if (WALK_GATHERS) walk_known(point, walk.direction, met, walk.weight / (rate * (1.0 + walk.aimed)), walk.light);
+    return walk_meet(met.field, point, rate, is_aside, walk);
 }
 
 // What a flight is for.
@@ -69,6 +70,7 @@ const int WALK_ON = 0;    // the path goes on, or a ray is followed for its tran
 const int WALK_LIGHT = 1; // from a vertex to a light
 const int WALK_NEAR = 2;  // from a vertex to one that is drawn near a lamp
 const int WALK_LAMP = 3;  // from there to the lamp
+const int WALK_ASIDE = 4; // a second path, which ends before the first one goes on
 
 // Adds `passes` rays' transmittance and the light of `count` paths of at most `orders` scatterings, one after the
 // other, from walk_none(passes) on. walk_start(path) says where each begins; its numbers run from -passes to count - 1.
@@ -84,6 +86,11 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
     WalkNear near = WalkNear(vec3(0.0), 0.0, 0.0, 0); // the vertex near a lamp that is next
     Spectrum nearby = spectrum(0.0);               // the weight of the flight there
     float faint = 0.0;
+    Spectrum beside = spectrum(0.0); // the weight of the second path that is sent from there,
+    vec3 toward = vec3(0.0);         // and its direction
+    float aimed = 0.0;               // of the path's own direction,
+    float aimed_beside = 0.0;        // and of that
+    int order = 0;                   // of the vertex
     vec2 begin = vec2(0.0, FAR_AWAY); // where media count on the path's first flight
     vec2 interval = begin;
     walk_near_find();
@@ -124,10 +131,10 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             if (is_met) break;
             if (met.field.distance < 0.0) {
                 float was = spectrum_mean(walk.weight);
-                if ((WALK_FLIES && kind != WALK_ON) || walk.path < 0)
+                if ((WALK_FLIES && kind != WALK_ON && kind != WALK_ASIDE) || walk.path < 0)
                     walk.weight *= max(1.0 - walk_extinction(met.field) / rate, spectrum(0.0));
                 else
-                    is_met = walk_reach(met, point, rate, walk);
+                    is_met = walk_reach(met, point, rate, WALK_SENDS && kind == WALK_ASIDE, walk);
                 if (is_met) break;
                 walk.weight = walk_thin(walk.weight, faint);
                 if (walk.path < 0 && was > 0.5 && spectrum_mean(walk.weight) <= 0.5) walk.depth += vec2(walk.at, 1.0);
@@ -155,17 +162,38 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             if (goes_near) {
                 lit = walk_lamp(near.lamp, walk.origin, walk.direction, met, walk.weight, light, walk.light);
                 kind = WALK_LAMP;
+            } else if (WALK_SENDS && kind == WALK_ASIDE) {
+                ++walk.order;
+                if (!WALK_GATHERS)
+                    walk_known(walk.origin, walk.direction, met, walk.weight / (1.0 + walk.aimed), walk.light);
+                if (walk.order < orders && walk_random() < walk_aside_goes_on()) {
+                    lit = walk_turn(walk.origin, walk.direction, met, walk.weight, walk.order, light.direction);
+                    light.distance = FAR_AWAY;
+                    walk.aimed = walk_aside_goes_on() * walk.aimed +
+                                 walk_aside_density(walk.origin, walk.direction, met, walk.weight, light.direction);
+                }
             } else {
                 ++walk.order;
                 vertex = walk.origin;
                 left = walk.left;
-                if (!WALK_GATHERS || met.left != 0u) walk_known(vertex, walk.direction, met, walk.weight, walk.light);
+                if (!WALK_GATHERS || met.left != 0u)
+                    walk_known(vertex, walk.direction, met, walk.weight / (1.0 + walk.aimed), walk.light);
                 lit = walk_light(vertex, walk.direction, met, walk.weight, light);
                 behind = spectrum(0.0);
                 nearby = spectrum(0.0);
+                beside = spectrum(0.0);
                 if (walk.order < orders) {
                     nearby = walk_near(vertex, walk.direction, met, walk.weight, near, walk.light);
                     behind = walk_turn(vertex, walk.direction, met, walk.weight, walk.order, ahead);
+                    if (WALK_SENDS) {
+                        float before = walk_aside_goes_on() * walk.aimed;
+                        aimed = before + walk_aside_density(vertex, walk.direction, met, walk.weight, ahead);
+                        beside = walk_aside(vertex, walk.direction, met, walk.weight, toward);
+                        if (spectrum_max(beside) > 0.0)
+                            aimed_beside =
+                                before + walk_aside_density(vertex, walk.direction, met, walk.weight, toward);
+                        order = walk.order;
+                    }
                     behind = walk_thin(behind, WALK_WEAK);
                 }
                 kind = WALK_LIGHT;
@@ -173,14 +201,14 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
             walk.direction = light.direction;
             interval.y = light.distance;
             walk.weight = lit;
-            faint = WALK_FAINT * spectrum_max(lit);
+            faint = kind == WALK_ASIDE ? 0.0 : WALK_FAINT * spectrum_max(lit);
             is_over = spectrum_max(lit) <= 0.0;
         }
         if (is_over) {
             if (kind == WALK_LIGHT || kind == WALK_LAMP) walk.light += walk.weight;
             if (walk.path < 0 && walk.path >= -passes) walk.passed += walk.weight;
             interval = vec2(0.0, FAR_AWAY);
-            if (kind == WALK_ON || spectrum_max(behind + nearby) <= 0.0) {
+            if (kind == WALK_ON || spectrum_max(behind + nearby + beside) <= 0.0) {
                 ++walk.path;
                 walk.order = 0;
                 if (walk.path == 0) walk.depth = walk_depth(walk.depth, passes);
@@ -192,14 +220,23 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 begin = next.interval;
                 behind = spectrum(1.0);
                 nearby = spectrum(0.0);
+                beside = spectrum(0.0);
+                aimed = 0.0;
+                order = 0;
                 if (walk.path >= 0 && walk.path < count) nearby = walk_near_start(next, near, walk.light);
             }
             bool is_near = spectrum_max(nearby) > 0.0;
-            kind = is_near ? WALK_NEAR : WALK_ON;
+            bool is_aside = WALK_SENDS && !is_near && spectrum_max(beside) > 0.0;
+            kind = is_near ? WALK_NEAR : is_aside ? WALK_ASIDE : WALK_ON;
             walk.origin = vertex;
             walk.left = left;
-            walk.direction = is_near ? near.direction : ahead;
-            walk.weight = is_near ? nearby : behind;
+            walk.direction = is_near ? near.direction : is_aside ? toward : ahead;
+            walk.weight = is_near ? nearby : is_aside ? beside : behind;
+            if (WALK_SENDS) {
+                walk.order = order;
+                walk.aimed = is_aside ? aimed_beside : aimed;
+                if (is_aside) beside = spectrum(0.0);
+            }
             if (walk.order == 0) interval = begin;
             if (is_near) interval.y = near.distance;
             faint = is_near ? WALK_FAINT * spectrum_max(nearby) : 0.0;

@@ -178,24 +178,39 @@ static void lobes_near_lamps_are_right_on_the_average(void **state)
     assert_as_paths(&scene);
 }
 
-#define LOBES "\"phase\": [ { \"g\": 0.8, \"weight\": 0.75 }, { \"g\": -0.5, \"weight\": 0.25 } ],"
-#define THIN                                                                                                           \
-    "{ \"sigma_s\": [1.5, 0.5, 2], \"sigma_a\": [0.1, 0.4, 0.2], " LOBES                                               \
-    " \"density\": { \"kind\": \"homogeneous\", " BALL " } } }"
-#define LUMPS                                                                                                          \
-    "{ " COLOURED ", " LOBES " \"density\": { \"kind\": \"noise\", \"frequency\": 2.5, \"octaves\": 2,"                \
-    " \"mode\": \"remap\", \"scale\": 2, " BALL ", \"falloff\": 0.3 } } }"
+#define LOBES(G) "\"phase\": [ { \"g\": " G ", \"weight\": 0.75 }, { \"g\": -0.5, \"weight\": 0.25 } ],"
+#define THIN(G)                                                                                                        \
+    "{ \"sigma_s\": [1.5, 0.5, 2], \"sigma_a\": [0.1, 0.4, 0.2], " LOBES(                                              \
+        G) " \"density\": { \"kind\": \"homogeneous\", " BALL " } } }"
+#define LUMPS(G)                                                                                                       \
+    "{ " COLOURED ", " LOBES(G) " \"density\": { \"kind\": \"noise\", \"frequency\": 2.5, \"octaves\": 2,"             \
+                                " \"mode\": \"remap\", \"scale\": 2, " BALL ", \"falloff\": 0.3 } } }"
+#define DEEP(G)                                                                                                        \
+    "{ \"sigma_s\": [9, 6, 12], \"sigma_a\": [0.2, 0.5, 0.1], " LOBES(                                                 \
+        G) " \"density\": { \"kind\": \"homogeneous\", " BALL " } } }"
+#define SKY "{ \"kind\": \"dome\", \"radiance\": [0.2, 0.3, 0.5] },"
 
-// Thin media, and those with light grids: some directions are drawn about a lamp.
+// Thin media, and those with light grids: some directions are drawn about a lamp. Floors spare it second paths.
 static void paths_towards_lamps_are_right_on_the_average(void **state)
 {
     struct bias_check_scene scene = {
-        .media = THIN, .lights = SPOT SUN, .objects = FLOOR, .orders = "\"all\"", .quality = PATHS("16")};
+        .media = THIN("0.8"), .lights = SPOT SUN, .objects = FLOOR, .orders = "\"all\"", .quality = PATHS("16")};
 
     (void)state;
-    assert_orders(THIN, LAMP, "\"all\"");
+    assert_orders(THIN("0.7"), LAMP, "\"all\"");
     assert_as_paths(&scene);
-    assert_by_light_grids(LUMPS, LAMP SUN, NULL);
+    assert_by_light_grids(LUMPS("0.7"), LAMP SUN, NULL);
+}
+
+// Narrower lobes: vertices send second paths.
+static void second_paths_are_right_on_the_average(void **state)
+{
+    (void)state;
+    assert_orders(THIN("0.9"), LAMP, "\"all\"");
+    assert_orders(DEEP("0.9"), LAMP SUN SKY, "\"all\"");
+    assert_orders(THIN("0.9"), SUN, "3");
+    assert_orders(DEEP("-0.95"), SUN, "\"all\"");
+    assert_by_light_grids(LUMPS("0.9"), LAMP SUN, NULL);
 }
 
 // A lamp inside has a finite variance: the noise falls with the root of the number of paths, however many. Else its
@@ -231,8 +246,9 @@ static void noise_falls_evenly_beside_a_lamp(void **state)
     (void)state;
     assert_even_noise(EVEN, INSIDE, 2);
     assert_even_noise(EVEN, SPOT, 2);
-    assert_true(assert_even_noise(LOBED, INSIDE, 2) < 14.0); // as if lobes were wide, it would be 17 to 20
-    assert_true(assert_even_noise(THIN, LAMP, 2) < 6.5);     // without directions about the lamp it would be 7.5
+    assert_true(assert_even_noise(LOBED, INSIDE, 2) < 14.0);    // as if lobes were wide, it would be 17 to 20
+    assert_true(assert_even_noise(THIN("0.7"), LAMP, 2) < 4.7); // without directions about the lamp it would be 5.1
+    assert_true(assert_even_noise(DEEP("0.9"), LAMP, 2) < 6.0); // without second paths it would be 14
 }
 
 static void noise_falls_evenly_to_65536_paths(void **state)
@@ -396,6 +412,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(lamps_inside_are_right_on_the_average),
         cmocka_unit_test(lobes_near_lamps_are_right_on_the_average),
         cmocka_unit_test(paths_towards_lamps_are_right_on_the_average),
+        cmocka_unit_test(second_paths_are_right_on_the_average),
         cmocka_unit_test(noise_falls_evenly_beside_a_lamp),
         cmocka_unit_test(light_grids_are_right_on_the_average),
         cmocka_unit_test_setup_teardown(grids_are_right_on_the_average, temp_folder_create, temp_folder_destroy),

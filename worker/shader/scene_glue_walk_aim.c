@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "core/scene/scene_diameter.h"
 #include "worker/model/scene_model.h"
+#include "worker/shader/scene_glue_walk_aside.h"
 
 #include <math.h>
 
@@ -38,25 +39,11 @@ static bool is_thin(const struct scene_model *model)
     return depth <= THIN;
 }
 
-static bool is_narrow(const struct scene_model *model)
-{
-    double most = 0.0;
-
-    for (size_t i = 0; i < model->features.medium_count; i++)
-        for (size_t k = 0; k < model->job->scene.media[i].lobe_count && model->features.media[i].scatters; k++)
-            if (model->features.media[i].lobes[k] == LOBE_HENYEY_GREENSTEIN)
-                most = fmax(most, largest_of(&model->job->scene.media[i].lobes[k].g));
-    return most >= NARROW;
-}
-
 // Only lamps whose light that reaches a vertex is known there are aimed at.
 bool scene_glue_walk_has_aims(const struct scene_model *model)
 {
-    const struct scene_features *features = &model->features;
-
-    if (model->job->scene.orders == 1 || !features->media_are_lit) return false;
-    if (scene_features_count_marched(features) == 0 || !is_narrow(model)) return false;
-    return features->tracks_to_lights ? features->has_light_grids : is_thin(model);
+    if (!scene_glue_walk_knows_lamps(model) || scene_glue_walk_find_lobe(model, 1.0) < NARROW) return false;
+    return model->features.tracks_to_lights || is_thin(model);
 }
 
 // Writes the choice of a lamp, each as likely.
@@ -88,7 +75,7 @@ void scene_glue_write_walk_aim(FILE *out, const struct scene_model *model)
     if (scene_glue_walk_has_aims(model)) {
         write_lamp(out, model);
         fputs("    float share = walk_aim_share(order, passed);\n"
-              "    if (vertex.left != 0u || share < 0.01) return behind;\n"
+              "    if (vertex.left != 0u || share < 0.01 || walk_sends()) return behind;\n"
               "    if (walk_random() < share) outgoing = walk_aim_draw(light.direction);\n"
               "    Spectrum scattered = weight * walk_scattered(vertex, incoming, outgoing);\n"
               "    float phase = spectrum_mean(scattered) / max(spectrum_mean(weight * walk_scattering(vertex)), "

@@ -6,7 +6,7 @@
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_light.h"
 
-static bool has_near(const struct scene_model *model, size_t i)
+bool scene_glue_walk_has_near(const struct scene_model *model, size_t i)
 {
     return model->features.media_are_lit && model->features.light_is_seen[i] &&
            light_kind_of(&model->job->scene.lights[i])->is_inverse_square;
@@ -17,7 +17,7 @@ static size_t count_near(const struct scene_model *model)
     size_t count = 0;
 
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
-        count += has_near(model, i);
+        count += scene_glue_walk_has_near(model, i);
     return count;
 }
 
@@ -101,11 +101,11 @@ static void write_reach(FILE *out, const struct scene_model *model, size_t i)
 static void write_near_find(FILE *out, const struct scene_model *model)
 {
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
-        if (has_near(model, i)) fprintf(out, "float walk_reach_%zu = 0.0;\n", i);
+        if (scene_glue_walk_has_near(model, i)) fprintf(out, "float walk_reach_%zu = 0.0;\n", i);
     fputs("void walk_near_find()\n{\n", out);
     if (count_near(model) > 0) fputs("    MediaSpans spans;\n    float extent, edge, rate;\n", out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i)
-        if (has_near(model, i)) write_reach(out, model, i);
+        if (scene_glue_walk_has_near(model, i)) write_reach(out, model, i);
     fputs("}\n", out);
 }
 
@@ -211,7 +211,7 @@ static void write_near_draw(FILE *out, const struct scene_model *model, bool is_
 
     if (count > 1) fprintf(out, "    int lamp = min(int(walk_random() * %zu.0), %zu);\n", count, count - 1);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
-        if (!has_near(model, i)) continue;
+        if (!scene_glue_walk_has_near(model, i)) continue;
         if (count > 1)
             fprintf(out, "    if (lamp == %zu) ", index++);
         else
@@ -232,7 +232,7 @@ static void write_lamp(FILE *out, const struct scene_model *model)
           "    Spectrum passed = spectrum(0.0);\n",
           out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
-        if (!has_near(model, i)) continue;
+        if (!scene_glue_walk_has_near(model, i)) continue;
         fprintf(out, "    if (lamp == %zu) {\n        light = light_%zu(point);\n        reach = walk_reach_%zu;\n", i,
                 i, i);
         if (is_direct(model, i)) fprintf(out, "        passed = walk_reached_%zu(point, 0u, light);\n", i);
@@ -330,7 +330,7 @@ static void write_light_sample(FILE *out, const struct scene_model *model, size_
         return;
     }
     fprintf(out, "        LightSample candidate = light_%zu(point);\n", i);
-    if (has_near(model, i))
+    if (scene_glue_walk_has_near(model, i))
         fprintf(out,
                 "        if (walk_reach_%zu > 0.0 && vertex.left == 0u)\n            candidate.irradiance *= 1.0 - "
                 "walk_near_part(candidate.distance * candidate.distance, walk_reach_%zu);\n",

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 
 struct scene_model;
+
+// Whether vertices are drawn near this lamp where it lies in a medium: walk_reach_I says how far around, or 0.
+bool scene_glue_walk_has_near(const struct scene_model *model, size_t i);
 
 // What shaders/scatter/walk.glsl calls, after the media's coefficients, walk_scatter, and walk_wall. What reaches a
 // vertex is known at once where all media that count have columns in closed form or in a light's grid; it is added to

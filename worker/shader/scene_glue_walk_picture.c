@@ -36,7 +36,8 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
             "    walk = Walk(uintBitsToFloat(light.%s), uintBitsToFloat(passed.%s),\n"
             "                vec2(uintBitsToFloat(passed.w), 0.0), int(light.w >> 10u) - passes - 1,\n"
             "                int(light.w & 1023u), uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),\n"
-            "                uintBitsToFloat(weight.w), uintBitsToFloat(weight.%s), direction.w, origin.w);\n"
+            "                uintBitsToFloat(weight.w), uintBitsToFloat(weight.%s), direction.w,\n"
+            "                WALK_SENDS ? 0u : origin.w, WALK_SENDS ? uintBitsToFloat(origin.w) : 0.0);\n"
             "    if (walk.path < 0) {\n        walk.depth.y = float(walk.order);\n        walk.order = 0;\n"
             "    } else {\n        walk.depth.y = walk.depth.x > 0.0 ? 1.0 : 0.0;\n    }\n"
             "    return true;\n}\n",
@@ -49,7 +50,8 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
           "    imageStore(slice_light, place, uvec4(floatBitsToUint(spectrum_rgb(walk.light)), marks));\n"
           "    if (is_done) return;\n"
           "    imageStore(slice_passed, place, floatBitsToUint(vec4(spectrum_rgb(walk.passed), walk.depth.x)));\n"
-          "    imageStore(slice_origin, place, uvec4(floatBitsToUint(walk.origin), walk.left));\n"
+          "    uint kept = WALK_SENDS ? floatBitsToUint(walk.aimed) : walk.left;\n"
+          "    imageStore(slice_origin, place, uvec4(floatBitsToUint(walk.origin), kept));\n"
           "    imageStore(slice_direction, place, uvec4(floatBitsToUint(walk.direction), walk.random));\n"
           "    imageStore(slice_weight, place, floatBitsToUint(vec4(spectrum_rgb(walk.weight), walk.at)));\n}\n",
           out);
