@@ -65,6 +65,13 @@ bool walk_reach(WalkVertex met, vec3 point, float rate, bool is_aside, inout Wal
     return walk_meet(met.field, point, rate, is_aside, walk);
 }
 
+// The light of all paths before, and of the latest one or a part of it. The share is no number of the path's.
+Spectrum walk_sum(Spectrum before, Spectrum more)
+{
+    uint bits = random_hash(walk_random_state + 0x9e3779b9u);
+    return scatter_sum(before, more, float(bits >> 8u) * (1.0 / 16777216.0));
+}
+
 // What a flight is for.
 const int WALK_ON = 0;    // the path goes on, or a ray is followed for its transmittance
 const int WALK_LIGHT = 1; // from a vertex to a light
@@ -93,6 +100,8 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
     int order = 0;                   // of the vertex
     vec2 begin = vec2(0.0, FAR_AWAY); // where media count on the path's first flight
     vec2 interval = begin;
+    Spectrum sum = walk.light; // of the paths before
+    walk.light = spectrum(0.0);
     walk_near_find();
     if (walk.path >= -passes) {
         begin = walk_start(walk.path).interval;
@@ -212,7 +221,9 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
                 ++walk.path;
                 walk.order = 0;
                 if (walk.path == 0) walk.depth = walk_depth(walk.depth, passes);
-                if (WALK_IS_LAYER && walk.path == count / 2) walk.passed = walk.light;
+                sum = walk_sum(sum, walk.light);
+                walk.light = spectrum(0.0);
+                if (WALK_IS_LAYER && walk.path == count / 2) walk.passed = sum;
                 WalkRay next = walk_start(walk.path);
                 vertex = next.origin;
                 left = 0u;
@@ -259,6 +270,7 @@ bool walk_on(inout Walk walk, int passes, int count, int orders)
         }
     }
     walk.random = walk_random_state;
+    walk.light = walk_sum(sum, walk.light);
     if (kind != WALK_ON) march_was_cut = true;
     return walk.path >= count;
 }

@@ -190,6 +190,7 @@ static void add_walk(struct assembly *assembly)
     scene_glue_write_walk_aside(assembly->text.out, model);
     scene_glue_write_walk_aim(assembly->text.out, model);
     scene_glue_write_walk_start(assembly->text.out);
+    add_module(assembly, "scatter/sum.glsl");
     add_module(assembly, "scatter/walk.glsl");
 }
 
