@@ -20,7 +20,7 @@ bool plan_return_find(const struct plan *plan, const struct job *job, int32_t fr
     plan_scene_init(&scene, job);
     *before = (struct plan){.quality = plan->before, .pixels = plan->before.pixels};
     before->quality.pixels = (struct job_pixels){0};
-    if (!plan_lookup(&scene, &before->quality, &before->family, &before->point)) return false;
+    if (!plan_lookup(&scene, &plan->before, &before->family, &before->point)) return false;
     snprintf(before->reason, sizeof before->reason, "%s, as before a frame that missed",
              plan_families[before->family].name);
     return true;

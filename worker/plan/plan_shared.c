@@ -49,13 +49,15 @@ void plan_shared_find_key(const struct plan_params *params, char key[static HASH
     free(bytes);
 }
 
-void plan_shared_describe(struct plan_json *shared, const struct plan *plan, const struct plan_evidence *evidence)
+void plan_shared_describe(struct plan_json *shared, const struct plan *plan, const struct plan_evidence *evidence,
+                          const struct job *job)
 {
     const struct audit_samples *samples = &evidence->pool.samples;
+    const struct plan before = {.quality = plan->before, .pixels = plan->before.pixels};
 
-    *shared = (struct plan_json){.quality = plan->quality,
+    *shared = (struct plan_json){.quality = plan_apply(plan, job).quality,
                                  .has_before = plan->has_before,
-                                 .before = plan->before,
+                                 .before = plan_apply(&before, job).quality,
                                  .scout_count = plan->scouting.count,
                                  .cells_square = plan->cells_square,
                                  .paths_square = plan->paths_square,
@@ -64,7 +66,6 @@ void plan_shared_describe(struct plan_json *shared, const struct plan *plan, con
                                  .view_count = evidence->view_count,
                                  .sample_change = evidence->pool.change,
                                  .beyond = plan->beyond};
-    shared->quality.pixels = plan->pixels;
     memcpy(shared->reason, plan->reason, sizeof shared->reason);
     memcpy(shared->scout_errors, plan->scouting.error, sizeof shared->scout_errors);
     for (int i = 0; i < evidence->view_count; i++)
@@ -191,7 +192,7 @@ void plan_shared_replace(struct plan_json *shared, const struct plan *plan, int3
     next.has_before = found->has_before;
     next.before = found->before;
     next.beyond = plan->beyond;
-    plan_shared_describe(shared, &next, evidence);
+    plan_shared_describe(shared, &next, evidence, job);
     memcpy(shared->reason, found->reason, sizeof shared->reason);
     // Of settings to which no frame returns.
     if (!found->has_before && !plan->has_before) shared->sample_count = 0;

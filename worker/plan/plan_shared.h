@@ -19,7 +19,9 @@ struct plan_params;
 // this version. Segments with equal keys have one plan.
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE]);
 
-void plan_shared_describe(struct plan_json *shared, const struct plan *plan, const struct plan_evidence *evidence);
+// Its qualities are such as `job` could state.
+void plan_shared_describe(struct plan_json *shared, const struct plan *plan, const struct plan_evidence *evidence,
+                          const struct job *job);
 // The plan as every worker has it, the one that made it too. Evidence that is empty is rendered again; the same
 // settings make the same pictures. On failure `fault` is one of the renderer's, or none where no plan of this version
 // chooses such settings.

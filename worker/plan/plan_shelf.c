@@ -89,7 +89,7 @@ static bool make(struct plan_shelf *shelf, const struct plan_shelf_params *param
     plan_params.truth = &kept->truth;
     if (!plan_make(&kept->plan, &plan_params, fault, error)) return false;
     if (params->on_planned) params->on_planned(params->user, kept->plan.predicted_s);
-    plan_shared_describe(&kept->newest, &kept->plan, &kept->evidence);
+    plan_shared_describe(&kept->newest, &kept->plan, &kept->evidence, params->plan.job);
     if (!number_newest(shelf, params, kept, kept->newest_number, fault, error)) return false;
     if (adopt(kept, params, fault, error)) return true;
     if (*fault == RENDERER_FAULT_NONE) *fault = RENDERER_FAULT_JOB;

@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/json/json_read.h"
+#include "core/json/json_write.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -94,6 +95,29 @@ static void steps_by_depth_and_by_rule_are_read(void **state)
     job_finish(&gauss);
     free(text);
     job_finish(&adaptive);
+}
+
+// Frames state the settings that a job could: --plan-of reads them.
+static void paths_of_objects_are_written_as_they_are_read(void **state)
+{
+    char *with_object = json_edit_set(job_text_noise, "scene.objects",
+                                      "[{\"kind\":\"plane\",\"point\":[0,-2,0],\"material\":{\"kind\":\"diffuse\","
+                                      "\"albedo\":0.5}}]");
+    char *text = json_edit_set(with_object, "quality", "{\"method\":\"paths\",\"paths\":64}"), *written;
+    struct job job = job_expect(text), again;
+    struct json_writer writer = {0};
+
+    quality_to_json(&writer, &job, &job.quality);
+    written = json_edit_set(with_object, "quality", writer.text);
+    again = job_expect(written);
+    assert_int_equal(again.quality.method, JOB_METHOD_PATHS);
+    assert_int_equal(again.quality.paths, 64);
+    json_writer_finish(&writer);
+    job_finish(&again);
+    job_finish(&job);
+    free(written);
+    free(text);
+    free(with_object);
 }
 
 static void tracking_is_read(void **state)
@@ -372,6 +396,7 @@ int main(void)
         cmocka_unit_test(pixels_that_are_traced_are_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
+        cmocka_unit_test(paths_of_objects_are_written_as_they_are_read),
         cmocka_unit_test(tracking_is_read),
         cmocka_unit_test(cached_is_read),
         cmocka_unit_test(random_paths_are_read),

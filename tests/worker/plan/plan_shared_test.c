@@ -301,7 +301,7 @@ static void an_adopted_plan_refines_the_same_frames(void **state)
         plan.family++;
     plan.quality = plan_family_quality(&plan_families[plan.family], &scene, &plan.point);
     evidence.finest = plan.quality;
-    plan_shared_describe(&shared, &plan, &evidence);
+    plan_shared_describe(&shared, &plan, &evidence, &job);
     assert_true(plan_shared_adopt(&adopted, &adopted_evidence, &shared, &params, &fault, NULL));
     assert_string_equal(adopted.reason, "so");
     refined = plan_of_frame(&plan, &job, 23);
