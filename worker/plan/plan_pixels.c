@@ -174,6 +174,7 @@ static void set_paths(struct plan *plan, const struct job *job, int paths, doubl
     plan->quality = plan_family_quality(&plan_families[plan->family], &scene, &plan->point);
     plan->work = plan_family_work(&scene, &plan->quality);
     plan->paths_square = noise * noise * paths / plan->quality.paths;
+    plan->predicted_error = sqrt(plan->paths_square);
     plan_scatter_describe_paths(plan);
 }
 
