@@ -1,13 +1,12 @@
 // Marches continued slice by slice: the picture equals that of one uninterrupted march, however short the slices.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/job/job.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
-#include "tests/support/folders.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
+#include "tests/support/shader_variant.h"
 #include "tests/support/temp_folder.h"
 #include "worker/picture/image.h"
 #include "worker/picture/pixel.h"
@@ -17,13 +16,11 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include <cmocka.h>
 
-enum { WIDTH_PX = 32, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX, TEXT_LIMIT = 1 << 16 };
+enum { WIDTH_PX = 32, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 struct counted {
     int calls;
@@ -69,34 +66,15 @@ static struct image render(const struct job *job, const char *shader_dir, int *c
     return render_pixels(job, shader_dir, NULL, 0, calls);
 }
 
-// Copies a module into the test's folder with another number in it.
-static void shorten(void **state, const char *name, const char *from, const char *to)
-{
-    const char *folder = test_shader_dir() ? test_shader_dir() : PROJECT_ROOT "/shaders";
-    char path[512], changed[TEXT_LIMIT], *text, *place;
-    struct error error = {{0}};
-    int length;
-
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (!file_read_text(path, TEXT_LIMIT, &text, NULL, &error)) fail_msg("%s", error.message);
-    place = strstr(text, from);
-    assert_non_null(place);
-    length = snprintf(changed, sizeof changed, "%.*s%s%s", (int)(place - text), text, to, place + strlen(from));
-    assert_true(file_write_atomic(temp_folder_path(state, name), changed, (size_t)length, NULL));
-    free(text);
-}
-
 // A slice of a camera ray gets `iterations` iterations.
 static void shorten_slices(void **state, const char *iterations)
 {
     char to[64];
 
-    (void)mkdir(temp_folder_path(state, "math"), 0700);
-    (void)mkdir(temp_folder_path(state, "integrator"), 0700);
     snprintf(to, sizeof to, "MARCH_ITERATIONS = %s", iterations);
     // The limit is above what a shadow ray takes, below what a camera ray takes.
-    shorten(state, "math/march.glsl", "MARCH_LIMIT = 60000", "MARCH_LIMIT = 150");
-    shorten(state, "integrator/sliced.glsl", "MARCH_ITERATIONS = 20000", to);
+    shader_variant_write(state, "math/march.glsl", "MARCH_LIMIT = 60000", "MARCH_LIMIT = 150");
+    shader_variant_write(state, "integrator/sliced.glsl", "MARCH_ITERATIONS = 20000", to);
 }
 
 struct variant {

@@ -13,6 +13,7 @@
 #include "worker/shader/scene_program.h"
 #include "worker/textures/gl_caches.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -223,20 +224,32 @@ static int64_t find_idle_limit(const struct drawing *drawing)
     return IDLE_WALK_LIMIT + (int64_t)IDLE_SLICE_PATHS * model->job->quality.paths;
 }
 
+// Returns what the share of the frame is after a part of a tile.
+static double find_share(const struct drawing *drawing, int pass, const struct tile *tile, double part)
+{
+    int end = drawing->layout ? drawing->layout->square_count : drawing_target(drawing)->height_px;
+
+    return (pass + (tile->first + part * tile->count) / end) / drawing->passes->count;
+}
+
 // Draws slices of the tile's marches until all pixels are done. Pixels that never finish fail the frame.
-static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error *error)
+static bool draw_slices(struct drawing *drawing, int pass, struct tile *tile, struct error *error)
 {
     const struct gl_slices *slices = &drawing->tools->slices;
-    int64_t left = count_pixels(drawing, tile);
+    int64_t all = count_pixels(drawing, tile), left = all;
     int64_t limit = find_idle_limit(drawing);
+    double walked_pixels = 0.0;
 
     for (int64_t idle = 0; left > 0; ++idle) {
         double start = clock_now_s(), seconds;
+        struct gl_slices_walked walked;
         int64_t done;
 
         gl_slices_open(slices);
         draw(drawing, tile);
-        done = (int64_t)gl_slices_close(slices, &drawing->steps);
+        done = (int64_t)gl_slices_close(slices, &walked);
+        drawing->steps += walked.steps;
+        walked_pixels += walked.pixels;
         left -= done;
         if (done > 0) idle = 0;
         if (!drawing_check_gl(drawing, error)) return false;
@@ -248,6 +261,8 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
             drawing->fault = RENDERER_FAULT_ENDLESS;
             return false;
         }
+        drawing->done =
+            find_share(drawing, pass, tile, fmin(fmax(walked_pixels, (double)(all - left)) / (double)all, 1.0));
         if (left > 0 && !report(drawing, error)) return false;
     }
     return true;
@@ -274,10 +289,12 @@ static bool draw_tiles(struct drawing *drawing, int pass, struct error *error)
     for (int first = 0; first < end;) {
         struct tile tile = {.first = first, .count = *next < end - first ? *next : end - first};
 
-        if (!(drawing->scene->model.features.is_sliced ? draw_slices : draw_whole)(drawing, &tile, error)) return false;
+        if (!(drawing->scene->model.features.is_sliced ? draw_slices(drawing, pass, &tile, error)
+                                                       : draw_whole(drawing, &tile, error)))
+            return false;
         first += tile.count;
         *next = (layout ? tile_squares_next : tile_rows_next)(tile.count, tile.seconds);
-        drawing->done = (pass + (double)first / end) / drawing->passes->count;
+        drawing->done = find_share(drawing, pass, &tile, 1.0);
         if (!report(drawing, error)) return false;
     }
     return true;

@@ -11,7 +11,7 @@ void gl_slices_finish(struct gl_slices *slices)
     if (slices->gl) {
         slices->gl->DeleteTextures(slices->image_count, slices->images);
         slices->gl->DeleteQueries(1, &slices->query);
-        slices->gl->DeleteBuffers(1, &slices->steps_buffer);
+        slices->gl->DeleteBuffers(1, &slices->count_buffer);
     }
     *slices = (struct gl_slices){0};
 }
@@ -24,8 +24,8 @@ static void make(struct gl_slices *slices, const struct gl_functions *gl, int wi
     for (int i = 0; i < image_count; ++i)
         gl->TextureStorage2D(slices->images[i], 1, GL_RGBA32UI, width_px, height_px);
     gl->CreateQueries(GL_SAMPLES_PASSED, 1, &slices->query);
-    gl->CreateBuffers(1, &slices->steps_buffer);
-    gl->NamedBufferStorage(slices->steps_buffer, sizeof(GLuint), NULL, 0);
+    gl->CreateBuffers(1, &slices->count_buffer);
+    gl->NamedBufferStorage(slices->count_buffer, 2 * sizeof(GLuint), NULL, 0);
 }
 
 void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px,
@@ -40,30 +40,31 @@ void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, in
         gl->ClearTexImage(slices->images[i], 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, nothing);
         gl->BindImageTexture(units[i], slices->images[i], 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
     }
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, WALK_COUNT_BUFFER, slices->steps_buffer);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, WALK_COUNT_BUFFER, slices->count_buffer);
 }
 
 void gl_slices_open(const struct gl_slices *slices)
 {
     if (slices->image_count == GL_SLICES_WALK_IMAGES)
-        slices->gl->ClearNamedBufferData(slices->steps_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+        slices->gl->ClearNamedBufferData(slices->count_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
     slices->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     slices->gl->BeginQuery(GL_SAMPLES_PASSED, slices->query);
 }
 
-uint64_t gl_slices_close(const struct gl_slices *slices, double *steps)
+uint64_t gl_slices_close(const struct gl_slices *slices, struct gl_slices_walked *walked)
 {
     const struct gl_functions *gl = slices->gl;
     GLuint64 done = 0;
-    GLuint taken = 0;
+    GLuint counts[2] = {0};
 
     gl->EndQuery(GL_SAMPLES_PASSED);
     gl->Finish();
     gl->GetQueryObjectui64v(slices->query, GL_QUERY_RESULT, &done);
     if (slices->image_count == GL_SLICES_WALK_IMAGES) {
         gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        gl->GetNamedBufferSubData(slices->steps_buffer, 0, sizeof taken, &taken);
-        *steps += (double)WALK_COUNT_STEPS * taken;
+        gl->GetNamedBufferSubData(slices->count_buffer, 0, sizeof counts, counts);
     }
+    *walked = (struct gl_slices_walked){.steps = (double)WALK_COUNT_STEPS * counts[0],
+                                        .pixels = (double)counts[1] / WALK_COUNT_SHARES};
     return done;
 }

@@ -5,6 +5,7 @@
 #include "core/scene/scene_diameter.h"
 #include "worker/model/scene_model.h"
 #include "worker/shader/scene_glue_walk_aside.h"
+#include "worker/shader/scene_glue_walk_lamps.h"
 
 #include <math.h>
 
@@ -46,26 +47,6 @@ bool scene_glue_walk_has_aims(const struct scene_model *model)
     return model->features.tracks_to_lights || is_thin(model);
 }
 
-// Writes the choice of a lamp, each as likely.
-static void write_lamp(FILE *out, const struct scene_model *model)
-{
-    size_t count = scene_features_count_marched(&model->features), index = 0;
-
-    if (count > 1) fprintf(out, "    int lamp = min(int(walk_random() * %zu.0), %zu);\n", count, count - 1);
-    fputs("    LightSample light;\n    float passed = 0.0;\n", out);
-    for (size_t i = 0; i < model->job->scene.light_count; i++) {
-        if (!model->features.light_is_marched[i]) continue;
-        if (count > 1)
-            fprintf(out, "    if (lamp == %zu) {\n", index++);
-        else
-            fputs("    {\n", out);
-        fprintf(out,
-                "        light = light_%zu(point);\n"
-                "        passed = spectrum_mean(walk_reached_%zu(point, 0u, light));\n    }\n",
-                i, i);
-    }
-}
-
 void scene_glue_write_walk_aim(FILE *out, const struct scene_model *model)
 {
     fputs("Spectrum walk_turn(vec3 point, vec3 incoming, WalkVertex vertex, Spectrum weight, int order, "
@@ -73,8 +54,8 @@ void scene_glue_write_walk_aim(FILE *out, const struct scene_model *model)
           "    Spectrum behind = walk_scatter(vertex, incoming, weight, outgoing);\n",
           out);
     if (scene_glue_walk_has_aims(model)) {
-        write_lamp(out, model);
-        fputs("    float share = walk_aim_share(order, passed);\n"
+        fputs("    float passed;\n    LightSample light = walk_lamp_seen(walk_lamp_draw(), point, passed);\n"
+              "    float share = walk_aim_share(order, passed);\n"
               "    if (vertex.left != 0u || share < 0.01 || walk_sends()) return behind;\n"
               "    if (walk_random() < share) outgoing = walk_aim_draw(light.direction);\n"
               "    Spectrum scattered = weight * walk_scattered(vertex, incoming, outgoing);\n"

@@ -21,9 +21,11 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
           "layout(rgba32ui, binding = 5) uniform uimage2D slice_weight;\n",
           out);
     fprintf(out,
-            "layout(std430, binding = %d) buffer WalkTaken { uint walk_taken; };\n"
-            "const uint WALK_STEPS = %uu; // that count as one\n",
-            WALK_COUNT_BUFFER, WALK_COUNT_STEPS);
+            "layout(std430, binding = %d) buffer WalkCount { uint walk_taken; uint walk_ended; };\n"
+            "const uint WALK_STEPS = %uu; // that count as one\n"
+            "uint walk_share(int path, int passes, int paths)\n{\n"
+            "    return uint(%d * max(path + passes, 0) / (passes + paths));\n}\n",
+            WALK_COUNT_BUFFER, WALK_COUNT_STEPS, WALK_COUNT_SHARES);
     fputs("const uint WALK_IS_DONE = 0xffffffffu;\n"
           "bool walk_load(inout Walk walk, int passes)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
           "    uvec4 light = imageLoad(slice_light, place);\n"
@@ -102,8 +104,10 @@ static void write_sums(FILE *out, const struct scene_model *model)
             "    walk_pixel = pixel;\n    walk_camera = WalkRay(camera.position, direction, clip);\n"
             "    int paths = int(quality_paths);\n    int passes = %s;\n"
             "    vec2 interval = span_meet(media_interval(spans), clip);\n"
-            "    Walk walk = walk_none(passes);\n    if (!walk_load(walk, passes)) discard;\n%s"
+            "    Walk walk = walk_none(passes);\n    if (!walk_load(walk, passes)) discard;\n"
+            "    uint before = walk_share(walk.path, passes, paths);\n%s"
             "    bool is_done = walk_on(walk, passes, paths, %d);\n    walk_store(walk, passes, is_done);\n"
+            "    atomicAdd(walk_ended, walk_share(walk.path, passes, paths) - before);\n"
             "    march_was_cut = march_was_cut || path_iterations_are_spent();\n"
             "    if (!is_done && !march_was_cut) discard;\n",
             is_estimated ? "clamp(paths / 4, 1, 256)" : "0",

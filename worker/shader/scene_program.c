@@ -28,6 +28,7 @@
 #include "worker/shader/scene_glue_walk.h"
 #include "worker/shader/scene_glue_walk_aim.h"
 #include "worker/shader/scene_glue_walk_aside.h"
+#include "worker/shader/scene_glue_walk_lamps.h"
 #include "worker/shader/scene_glue_walk_light.h"
 #include "worker/shader/scene_modules.h"
 #include "worker/shader/texture_glue.h"
@@ -184,11 +185,12 @@ static void add_walk(struct assembly *assembly)
     if (model->features.has_objects) scene_glue_write_albedo(generate(assembly), model);
     add_module(assembly, model->features.has_objects ? "scatter/vertex_surfaces.glsl" : "scatter/vertex_media.glsl");
     if (scene_glue_walk_has_aims(model)) add_module(assembly, "scatter/aim.glsl");
-    if (scene_glue_walk_sends(model)) add_module(assembly, "scatter/aside.glsl");
     scene_glue_write_walk(generate(assembly), model);
     scene_glue_write_walk_lights(assembly->text.out, model);
-    scene_glue_write_walk_aside(assembly->text.out, model);
-    scene_glue_write_walk_aim(assembly->text.out, model);
+    if (scene_glue_walk_knows_lamps(model)) scene_glue_write_walk_lamps(assembly->text.out, model);
+    if (scene_glue_walk_sends(model)) scene_glue_write_walk_aside(assembly->text.out, model);
+    add_module(assembly, scene_glue_walk_sends(model) ? "scatter/aside.glsl" : "scatter/no_aside.glsl");
+    scene_glue_write_walk_aim(generate(assembly), model);
     scene_glue_write_walk_start(assembly->text.out);
     add_module(assembly, "scatter/sum.glsl");
     add_module(assembly, "scatter/walk.glsl");
