@@ -147,7 +147,7 @@ static void a_frame_that_lacks_pixels_gets_more_of_them(void **state)
     tolerance_stage_close(stage);
 }
 
-static struct job_pixels choose(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
+static struct plan make_plan(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
 {
     const struct plan_params params = {
         .renderer = stage.gl.renderer, .job = job, .segment = plan_segment_of(job, 120), .choice = choice};
@@ -158,7 +158,12 @@ static struct job_pixels choose(struct tolerance_stage stage, const struct job *
     if (!plan_make(&plan, &params, &fault, &error)) fail_msg("%s", error.message);
     assert_true(plan.predicted_traced > 0.0 && plan.predicted_traced <= 1.0);
     assert_true((plan.pixels.stride == 0) == (plan.predicted_traced == 1.0));
-    return plan.pixels;
+    return plan;
+}
+
+static struct job_pixels choose(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
+{
+    return make_plan(stage, job, choice).pixels;
 }
 
 static void every_pixel_is_traced_where_that_is_no_gain(void **state)
@@ -271,6 +276,7 @@ static void frames_by_paths_trace_a_part_of_their_pixels(void **state)
     struct job job = noise_job(0.015);
     struct image image = tolerance_stage_make_image(&job), again = tolerance_stage_make_image(&job);
     struct tolerance_result result = render(stage, &job, NULL, &image);
+    double predicted;
 
     print_message("%d paths of %.1f %%, stride %d, threshold %g: noise %.2e, audited %.2e, %s\n", result.quality.paths,
                   100.0 * result.render.traced, result.quality.pixels.stride, result.quality.pixels.threshold,
@@ -280,6 +286,9 @@ static void frames_by_paths_trace_a_part_of_their_pixels(void **state)
     assert_true(result.render.traced < 0.6);
     assert_true(result.render.noise > 0.3 * 0.015 && result.render.noise < 0.65 * 0.015);
     assert_true(result.audit.error <= 0.015 && result.audit.interpolation_error == 0.0);
+    predicted = make_plan(stage, &job, PLAN_CHOICE_CHEAPEST).predicted_error;
+    print_message("predicted %.2e\n", predicted);
+    assert_true(fabs(predicted / result.render.noise - 1.0) < 0.1);
     (void)render(stage, &job, &result.quality, &again);
     assert_memory_equal(image.rgba, again.rgba, (size_t)4 * 256 * 160 * sizeof *image.rgba);
     image_finish(&again);
