@@ -22,12 +22,13 @@ enum { TEXT_LIMIT = 1 << 16 };
 void shader_variant_write(void **state, const char *name, const char *from, const char *to)
 {
     const char *folder = test_shader_dir() ? test_shader_dir() : PROJECT_ROOT "/shaders";
-    char path[512], changed[TEXT_LIMIT], *text, *place;
+    char path[512], room[32], changed[TEXT_LIMIT], *text, *place;
     struct error error = {{0}};
     int length;
 
-    snprintf(path, sizeof path, "%.*s", (int)(strchr(name, '/') - name), name);
-    (void)mkdir(temp_folder_path(state, path), 0700);
+    assert_true(strcspn(name, "/") < sizeof room);
+    snprintf(room, sizeof room, "%.*s", (int)strcspn(name, "/"), name);
+    (void)mkdir(temp_folder_path(state, room), 0700);
     snprintf(path, sizeof path, "%s/%s", folder, name);
     if (!file_read_text(path, TEXT_LIMIT, &text, NULL, &error)) fail_msg("%s", error.message);
     place = strstr(text, from);
