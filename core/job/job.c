@@ -63,6 +63,11 @@ bool job_method_takes_steps(enum job_method method)
     return methods[method].takes_steps;
 }
 
+bool job_limits_rays(const struct job *job, const struct job_quality *quality)
+{
+    return job->scene.object_count > 0 && quality->method != JOB_METHOD_PATHS;
+}
+
 bool job_quality_states_method(const struct job_quality *quality)
 {
     return quality->method != JOB_METHOD_AUTO && quality->method != JOB_METHOD_DRAFT;

@@ -183,6 +183,8 @@ struct timeline_span job_time_span(const struct job *job);
 int job_find_step_limit(const struct job *job); // the largest number of steps along a camera ray
 // True when the job itself says how it is rendered: neither auto nor draft.
 bool job_quality_states_method(const struct job_quality *quality);
+// Whether max_depth and min_throughput count: random paths have no limits of their own.
+bool job_limits_rays(const struct job *job, const struct job_quality *quality);
 // True when each medium needs a majorant: an upper bound of its density.
 bool job_quality_has_majorants(const struct job_quality *quality);
 const char *job_method_name(enum job_method method);

@@ -23,7 +23,7 @@ bool plan_quality_from_json(struct job_quality *quality, const struct json_node 
     quality->tolerance = job->quality.tolerance;
     quality->on_miss = job->quality.on_miss;
     quality->max_cut = job->quality.max_cut;
-    if (job->scene.object_count > 0) return true;
+    if (job_limits_rays(job, quality)) return true;
     quality->max_depth = job->quality.max_depth;
     quality->min_throughput = job->quality.min_throughput;
     return true;

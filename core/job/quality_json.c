@@ -428,8 +428,7 @@ void quality_to_json(struct json_writer *writer, const struct job *job, const st
     write_number(writer, "min_transmittance", quality->min_transmittance);
     json_write_integer_member(writer, "samples", quality->samples);
     write_pixels(writer, &quality->pixels);
-    // Random paths have no limit of their own.
-    if (job->scene.object_count > 0 && quality->method != JOB_METHOD_PATHS) {
+    if (job_limits_rays(job, quality)) {
         json_write_integer_member(writer, "max_depth", quality->max_depth);
         json_write_number_member(writer, "min_throughput", quality->min_throughput);
     }

@@ -83,6 +83,37 @@ static void a_plan_is_read_and_written(void **state)
 }
 
 // What a stranger could send in place of a plan.
+static struct plan_json read_quality(const char *quality, const struct job *job)
+{
+    char *text = json_edit_set(whole, "quality", quality);
+    struct plan_json plan;
+    struct error error = {{0}};
+
+    if (!read(text, job, &plan, &error)) fail_msg("%s", error.message);
+    free(text);
+    return plan;
+}
+
+// Random paths have no limits of rays, so their plans do not tell them: those of the job are theirs.
+static void limits_of_rays_that_a_plan_does_not_tell_are_the_jobs(void **state)
+{
+    char *text = json_edit_set(
+        job_text_noise, "scene.objects",
+        "[{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 1}}]");
+    char *limited =
+        json_edit_set(text, "quality", "{\"tolerance\":0.02,\"samples\":4,\"max_depth\":4,\"min_throughput\":0.25}");
+    struct job job = job_expect(limited);
+    struct plan_json plan = read_quality("{\"method\":\"paths\",\"paths\":64,\"samples\":4}", &job);
+
+    (void)state;
+    assert_true(plan.quality.max_depth == 4 && plan.quality.min_throughput == 0.25);
+    plan = read_quality("{\"method\":\"midpoint\",\"step\":0.5,\"light_step\":0.5,\"samples\":4}", &job);
+    assert_int_equal(plan.quality.max_depth, JOB_DEPTH_DEFAULT);
+    job_finish(&job);
+    free(limited);
+    free(text);
+}
+
 static void other_plans_are_refused(void **state)
 {
     static const struct {
@@ -132,6 +163,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plan_is_read_and_written),
+        cmocka_unit_test(limits_of_rays_that_a_plan_does_not_tell_are_the_jobs),
         cmocka_unit_test(other_plans_are_refused),
     };
 
