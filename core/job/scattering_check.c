@@ -7,6 +7,9 @@
 #include "core/scene/light_rules.h"
 #include "core/scene/scene_nodes.h"
 
+// Of what a medium without bounds scatters, the least that it must absorb: a path there is scattered 1e4 times then.
+static const double ENDLESS_SHARE = 1e-4;
+
 struct check {
     const struct job *job;
     const struct json_node *document;
@@ -118,15 +121,34 @@ static bool check_majorant(const struct check *check, size_t index)
            json_fail_expected(&majorant, check->error, "an upper bound of density(), which random paths need");
 }
 
-// Whether the medium scatters, and in some channel and at some time does not absorb.
-static bool is_white(const struct check *check, const struct scene_medium *medium)
+// Whether in some channel and at some time the medium absorbs less than `share` of what it scatters at most.
+static bool absorbs_less(const struct check *check, const struct scene_medium *medium, double share)
 {
-    double least[3], largest[3];
+    double least[3], largest[3], none[3], most[3];
 
-    if (!is_above_zero(check, &medium->sigma_s)) return false;
     timeline_find_bounds(&medium->sigma_a, check->span, least, largest);
-    for (int i = 0; i < medium->sigma_a.component_count; i++)
-        if (least[i] <= 0.0) return true;
+    timeline_find_bounds(&medium->sigma_s, check->span, none, most);
+    for (int i = 0; i < 3; i++) {
+        int a = i < medium->sigma_a.component_count ? i : 0, s = i < medium->sigma_s.component_count ? i : 0;
+
+        if (most[s] > 0.0 && least[a] < share * most[s]) return true;
+    }
+    return false;
+}
+
+// Whether the medium emits where, in some channel and at some time, it neither absorbs nor scatters.
+static bool glows_through(const struct check *check, const struct scene_medium *medium)
+{
+    double absorbed[3], scattered[3], most[3];
+
+    if (!medium->has_emission || !is_above_zero(check, &medium->emission)) return false;
+    timeline_find_bounds(&medium->sigma_a, check->span, absorbed, most);
+    timeline_find_bounds(&medium->sigma_s, check->span, scattered, most);
+    for (int i = 0; i < 3; i++) {
+        int a = i < medium->sigma_a.component_count ? i : 0, s = i < medium->sigma_s.component_count ? i : 0;
+
+        if (absorbed[a] + scattered[s] <= 0.0) return true;
+    }
     return false;
 }
 
@@ -151,10 +173,15 @@ static bool check_end(const struct check *check, size_t index)
         (is_endless || is_endless_within(medium, SCENE_BOUNDS_SLAB)))
         return json_fail(&node, check->error,
                          "expected bounds of a sphere or a box: a scatter_grid is a box around what scatters");
-    return scene->orders <= 1 || !is_endless || !is_white(check, medium) ||
+    if (is_endless && glows_through(check, medium))
+        return json_fail(&node, check->error,
+                         "expected bounds, or a sigma_a above 0: light that a medium without end emits and does not "
+                         "absorb has no limit");
+    return scene->orders <= 1 || !is_endless || !absorbs_less(check, medium, ENDLESS_SHARE) ||
            json_fail(&node, check->error,
-                     "expected bounds, or a sigma_a above 0: where nothing absorbs light and nothing ends, it scatters "
-                     "without end");
+                     "expected bounds, or a sigma_a of at least %g times sigma_s: where hardly anything absorbs light "
+                     "and nothing ends, it scatters without end",
+                     ENDLESS_SHARE);
 }
 
 static bool check_paths(const struct check *check)
@@ -186,8 +213,10 @@ bool scattering_check(const struct job *job, const struct json_node *document, s
 }
 
 // Light that media emit comes to a scatter_grid from its nodes alone.
-static bool may_emit(const struct scene *scene)
+static bool may_emit(const struct check *check)
 {
+    const struct scene *scene = &check->job->scene;
+
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_medium *medium = &scene->media[i];
 
@@ -202,24 +231,27 @@ bool scattering_check_is_rendered(const struct job *job, const struct json_node 
 {
     const struct check check = check_of(job, document, error);
     struct json_node method = json_node_child(&check.quality, "method");
+    struct json_node from = json_node_child(&check.quality, "scatter_from");
     bool is_walked = job->scene.orders > 1 || job->quality.method == JOB_METHOD_PATHS;
     // A plan chooses among what is rendered.
     bool is_paths = job->quality.method == JOB_METHOD_PATHS || !job_quality_states_method(&job->quality);
 
-    if (is_walked && !job_quality_states_method(&job->quality) && scene_find_code(&job->scene))
+    if (is_walked && job->quality.method == JOB_METHOD_AUTO && scene_find_code(&job->scene))
         return json_fail(&check.quality, error,
                          "expected a method (paths), since nothing measures the error of a density in GLSL above "
                          "order 1");
     if (is_walked && job->scene.object_count > 0 && !is_paths)
         return json_fail(&method, error,
                          "not rendered yet: scenes with objects above order 1, but by \"paths\" (or without a method)");
+    if (job->quality.scatter_grid > 0 && job->quality.scatter_from == JOB_SCATTER_FROM_LIGHTS && may_emit(&check))
+        return json_fail(&from, error, "not where media emit, whose light comes from the nodes alone");
     for (size_t i = 0; i < job->scene.medium_count; i++)
         if (job->quality.scatter_grid > 0 && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL)
             return json_fail(&method, error, "not rendered yet: a scatter_grid of a density in GLSL");
     for (size_t i = 0; i < job->scene.light_count; i++) {
         const struct scene_light *light = &job->scene.lights[i];
         bool is_even = light->kind == SCENE_LIGHT_DOME && light->dome.kind != SCENE_DOME_FILE;
-        bool is_from_lights = job->quality.scatter_from != JOB_SCATTER_FROM_NODES && !may_emit(&job->scene);
+        bool is_from_lights = job->quality.scatter_from != JOB_SCATTER_FROM_NODES && !may_emit(&check);
         bool is_shown = is_paths || ((is_even || is_from_lights) && job->quality.scatter_grid > 0);
 
         if (light_rules_of(light->kind)->has_size && !is_shown)

@@ -294,6 +294,23 @@ static void transmittance_is_that_of_the_medium(void **state)
     close_stage(&stage);
 }
 
+// What lies behind is weighed by estimates whose noise falls with the number of paths, however many.
+static void noise_falls_before_a_bright_background(void **state)
+{
+    struct bias_check_scene scene = {
+        .media = NOISE, .lights = SUN, .orders = "2", .background = "10", .quality = PATHS("64")};
+    double truth[BIAS_CHECK_VALUES], few, many;
+
+    (void)state;
+    for (size_t i = 0; i < BIAS_CHECK_VALUES; ++i)
+        truth[i] = 1; // noise alone is looked at
+    few = bias_check_measure(&scene, truth, 32).spread * sqrt(64) * sqrt(32.0 / 31);
+    scene.quality = PATHS("8192");
+    many = bias_check_measure(&scene, truth, 8).spread * sqrt(8192) * sqrt(8.0 / 7);
+    print_message("noise of a path: %.2f of few, %.2f of many\n", few, many);
+    assert_true(many < 1.25 * few);
+}
+
 // Alpha and transmittance are those of the medium, and depth is so within the noise of 256 estimates of a white one.
 static void alpha_and_depth_are_those_of_the_medium(void **state)
 {
@@ -330,6 +347,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_thickest_white_media_lose_no_light),
         cmocka_unit_test(a_single_path_may_be_long),
         cmocka_unit_test(transmittance_is_that_of_the_medium),
+        cmocka_unit_test(noise_falls_before_a_bright_background),
         cmocka_unit_test(alpha_and_depth_are_those_of_the_medium),
     };
 

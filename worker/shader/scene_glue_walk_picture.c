@@ -9,7 +9,7 @@
 #include <math.h>
 
 // `marks` holds the scatterings so far in 10 bits, up to 1023 of them, then the path's number, counted from 1 on. Rays
-// that are followed for their transmittance have no scatterings, but a number of depths.
+// that are followed for their transmittance begin on no boundary: in place of these they have a number of depths.
 void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
 {
     const char *spectrum = model->features.is_rgb ? "xyz" : "x";
@@ -40,19 +40,20 @@ void scene_glue_write_walk_slice(FILE *out, const struct scene_model *model)
             "                int(light.w & 1023u), uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),\n"
             "                uintBitsToFloat(weight.w), uintBitsToFloat(weight.%s), direction.w,\n"
             "                WALK_SENDS ? 0u : origin.w, WALK_SENDS ? uintBitsToFloat(origin.w) : 0.0);\n"
-            "    if (walk.path < 0) {\n        walk.depth.y = float(walk.order);\n        walk.order = 0;\n"
+            "    if (walk.path < 0) {\n        walk.depth.y = uintBitsToFloat(origin.w);\n        walk.left = 0u;\n"
+            "        walk.aimed = 0.0;\n"
             "    } else {\n        walk.depth.y = walk.depth.x > 0.0 ? 1.0 : 0.0;\n    }\n"
             "    return true;\n}\n",
             spectrum, spectrum, spectrum);
     fputs("void walk_store(Walk walk, int passes, bool is_done)\n{\n    ivec2 place = ivec2(gl_FragCoord.xy);\n"
           "    atomicAdd(walk_taken, (walk_steps + uint(place.x + 4 * place.y) % WALK_STEPS) / WALK_STEPS);\n"
-          "    if (walk.path < 0) walk.order = int(walk.depth.y);\n"
           "    uint marks = is_done ? WALK_IS_DONE : (uint(walk.path + passes + 1) << 10u) | uint(min(walk.order, "
           "1023));\n"
           "    imageStore(slice_light, place, uvec4(floatBitsToUint(spectrum_rgb(walk.light)), marks));\n"
           "    if (is_done) return;\n"
           "    imageStore(slice_passed, place, floatBitsToUint(vec4(spectrum_rgb(walk.passed), walk.depth.x)));\n"
           "    uint kept = WALK_SENDS ? floatBitsToUint(walk.aimed) : walk.left;\n"
+          "    if (walk.path < 0) kept = floatBitsToUint(walk.depth.y);\n"
           "    imageStore(slice_origin, place, uvec4(floatBitsToUint(walk.origin), kept));\n"
           "    imageStore(slice_direction, place, uvec4(floatBitsToUint(walk.direction), walk.random));\n"
           "    imageStore(slice_weight, place, floatBitsToUint(vec4(spectrum_rgb(walk.weight), walk.at)));\n}\n",
@@ -87,12 +88,15 @@ static void write_passed(FILE *out, const struct scene_features *features)
               out);
 }
 
-// Transmittance that is not known is estimated by a fraction of the paths' number, and so is depth.
+// Transmittance that is not known is estimated by a fraction of the paths' number, and so is depth. Where light comes
+// from behind, its noise is the picture's, and falls with the paths' number, however large.
 static void write_sums(FILE *out, const struct scene_model *model)
 {
     const struct scene_camera *camera = &model->job->scene.camera;
     bool dims = finds_passed(&model->features);
     bool is_estimated = dims && (model->features.has_depth || !knows_passed(&model->features));
+    bool is_weighed = model->features.has_background && !knows_passed(&model->features);
+    const char *rays = !is_estimated ? "0" : is_weighed ? "max(paths / 4, 1)" : "clamp(paths / 4, 1, 256)";
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
     fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
@@ -110,7 +114,7 @@ static void write_sums(FILE *out, const struct scene_model *model)
             "    atomicAdd(walk_ended, walk_share(walk.path, passes, paths) - before);\n"
             "    march_was_cut = march_was_cut || path_iterations_are_spent();\n"
             "    if (!is_done && !march_was_cut) discard;\n",
-            is_estimated ? "clamp(paths / 4, 1, 256)" : "0",
+            rays,
             model->features.has_objects
                 ? "    // A camera in an opaque object sees nothing.\n"
                   "    if (surface_around(shape_spans(camera.position, direction)) != 0u) walk.path = paths;\n"

@@ -207,13 +207,22 @@ static void random_paths_need_a_majorant(void **state)
 static void light_that_never_ends_is_refused(void **state)
 {
     static const char message[] =
-        "scene.media[0].density: expected bounds, or a sigma_a above 0: where nothing absorbs "
-        "light and nothing ends, it scatters without end";
+        "scene.media[0].density: expected bounds, or a sigma_a of at least 0.0001 times sigma_s: where hardly anything "
+        "absorbs light and nothing ends, it scatters without end";
+    static const char glow[] =
+        "scene.media[0].density: expected bounds, or a sigma_a above 0: light that a medium without end emits and does "
+        "not absorb has no limit";
 
     assert_refused(LAMP, ALL MEDIA(OPEN("\"sigma_s\":1")), PATHS, message);
     assert_refused(LAMP, TWO MEDIA(OPEN_NOISE), PATHS, message);
     assert_refused(LAMP, ALL MEDIA(OPEN("\"sigma_s\":1,\"sigma_a\":[0.1,0,0.1]")), PATHS, message);
     assert_refused(LAMP, ALL MEDIA(OPEN("\"sigma_s\":1,\"sigma_a\":{\"keys\":[[0,1],[5,0]]}")), PATHS, message);
+    assert_refused(LAMP, ALL MEDIA(OPEN("\"sigma_s\":1,\"sigma_a\":1e-9")), PATHS, message);
+    assert_refused(LAMP, ALL MEDIA(OPEN("\"sigma_s\":[1,1,200],\"sigma_a\":0.01")), PATHS, message);
+    assert_refused(LAMP, ALL MEDIA(OPEN("\"emission\":1")), PATHS, glow);
+    assert_refused(LAMP, MEDIA(OPEN("\"emission\":1,\"sigma_a\":[1,0,1]")), PATHS, glow);
+    assert_taken(LAMP, MEDIA(OPEN("\"emission\":1,\"sigma_a\":1")), PATHS);
+    assert_taken(LAMP, MEDIA(OPEN("\"emission\":0")), PATHS);
     assert_taken(LAMP, ALL MEDIA(OPEN("\"sigma_s\":1,\"sigma_a\":0.01")), PATHS);
     assert_taken(LAMP, ALL MEDIA(OPEN("\"sigma_a\":1")), PATHS);
     assert_taken(LAMP, MEDIA(OPEN("\"sigma_s\":1")), PATHS);
@@ -230,6 +239,8 @@ static void marches_go_to_no_light_of_many_directions(void **state)
         "lights, show it";
     static const char glowing[] = TWO MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
                                             "\"sphere\",\"radius\":1}},\"sigma_s\":1,\"emission\":1}");
+    static const char dark[] = TWO MEDIA("{\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                                         "\"sphere\",\"radius\":1}},\"sigma_s\":1,\"emission\":0}");
     char *scene = xasprintf("%s%s", TWO, ball);
 
     assert_taken(DOME, scene, quality);
@@ -237,6 +248,11 @@ static void marches_go_to_no_light_of_many_directions(void **state)
     assert_refused(SPHERE, scene,
                    "{\"method\":\"midpoint\",\"step\":0.1,\"scatter_grid\":8,\"scatter_from\":\"nodes\"}", nodes);
     assert_refused(SPHERE, glowing, quality, nodes);
+    assert_taken(SPHERE, dark, quality);
+    assert_refused(
+        LAMP, glowing,
+        "{\"method\":\"cached\",\"step\":0.1,\"light_grid\":8,\"scatter_grid\":8,\"scatter_from\":\"lights\"}",
+        "quality.scatter_from: not where media emit, whose light comes from the nodes alone");
     assert_refused(DOME ",{\"kind\":\"sun\",\"intensity\":1,\"direction\":[1,0,0]}", scene, quality,
                    "quality.light_step: expected a number of metres, as light marches through media, got nothing");
     free(scene);
