@@ -220,7 +220,7 @@ static bool may_emit(const struct check *check)
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_medium *medium = &scene->media[i];
 
-        if (medium->has_emission || medium->blackbody.grid_name ||
+        if ((medium->has_emission && is_above_zero(check, &medium->emission)) || medium->blackbody.grid_name ||
             (medium->density.kind == SCENE_DENSITY_GRID && medium->density.grid.point_count > 0))
             return true;
     }

@@ -269,14 +269,6 @@ static void assert_refused(const struct bias_check_scene *scene, const char *mes
     close_stage(&stage);
 }
 
-static void own_light_of_media_is_not_sent(void **state)
-{
-    const struct bias_check_scene scene = {.media = GLOW ", " EVEN, .lights = SUN, .orders = "2", .quality = LIGHTS};
-
-    (void)state;
-    assert_refused(&scene, "quality.scatter_from: expected \"nodes\", since media emit light");
-}
-
 static void a_grid_takes_no_more_than_512_mebibytes(void **state)
 {
     struct bias_check_scene scene = {.media = EVEN, .lights = SUN, .orders = "2"};
@@ -453,7 +445,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(particles_from_lights_bring_all_orders),
         cmocka_unit_test(particles_come_from_lamps_of_all_sizes),
         cmocka_unit_test(noise_of_a_lamp_inside_falls_evenly),
-        cmocka_unit_test(own_light_of_media_is_not_sent),
         cmocka_unit_test(a_grid_takes_no_more_than_512_mebibytes),
         cmocka_unit_test(a_white_furnace_is_even),
         cmocka_unit_test(a_white_furnace_of_particles_is_even),
