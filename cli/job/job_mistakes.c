@@ -156,13 +156,23 @@ static void cut_last_step(char *path)
     path[length > 0 ? length - 1 : 0] = '\0';
 }
 
-// Mends what the error is about or, where nothing is right there, what contains it.
+// Whether the value at the path says which keys stand beside it.
+static bool is_choice(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+
+    return dot && (strcmp(dot, ".method") == 0 || strcmp(dot, ".kind") == 0);
+}
+
+// Mends what the error is about or, where nothing is right there, what contains it. Of a choice that nobody can guess
+// all that stands beside it is unknown.
 static bool mend(struct search *search)
 {
     char *path = xstrndup(search->error.message, path_length(search->error.message));
     char *meant = find_quoted(search->error.message, "did you mean \"");
     bool ok = mend_key(search, path) || (meant && *path && try_value(search, search->text, path, meant));
 
+    if (!ok && is_choice(path)) cut_last_step(path);
     while (!ok && *path) {
         ok = mend_value(search, path);
         cut_last_step(path);

@@ -108,6 +108,19 @@ static void what_is_right_is_not_blamed(void **state)
     }
 }
 
+// Nobody knows what a method or a kind was to be, nor then what may stand beside it.
+static void a_wrong_choice_blames_nothing_beside_it(void **state)
+{
+    static const char *const expected[] = {"lights[0].kind: expected one of", "quality.method: expected one of"};
+
+    assert_found(
+        "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[64,32],\"camera\":{\"position\":"
+        "[0,0,4],\"target\":[0,0,0],\"fov\":40},\"lights\":[{\"kind\":\"laser\",\"intensity\":1,\"direction\":"
+        "[0,1,0]}],\"scene\":{\"media\":[{\"sigma_s\":1,\"density\":{\"kind\":\"homogeneous\"}}]},\"quality\":"
+        "{\"method\":\"nonsense\",\"step\":0.1},\"output\":{\"path\":\"a/a.#.exr\"}}",
+        expected, sizeof expected / sizeof expected[0]);
+}
+
 static void a_document_that_is_no_object_is_one_mistake(void **state)
 {
     static const char *const expected[] = {"expected an object"};
@@ -121,6 +134,7 @@ int main(void)
         cmocka_unit_test(each_member_tells_its_mistake),
         cmocka_unit_test(one_member_tells_several_mistakes),
         cmocka_unit_test(what_is_right_is_not_blamed),
+        cmocka_unit_test(a_wrong_choice_blames_nothing_beside_it),
         cmocka_unit_test(a_document_that_is_no_object_is_one_mistake),
     };
 
