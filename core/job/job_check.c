@@ -203,7 +203,7 @@ static bool check_tolerance(const struct job *job, const struct json_node *docum
                      HALF_TOLERANCE_MIN, job->quality.tolerance);
 }
 
-// Beside the paths of a part of the pixels a march shows what is seen directly.
+// Beside paths a march shows what is seen directly; those of a part of the pixels need it.
 static bool check_layers(const struct job *job, const struct json_node *document, struct error *error)
 {
     const struct job seen = job_layers_seen(job);
@@ -212,7 +212,7 @@ static bool check_layers(const struct job *job, const struct json_node *document
 
     for (size_t i = 0; i < job->scene.medium_count; i++)
         is_even = is_even && scene_density_is_even(&job->scene.media[i].density);
-    if (!is_even && job->quality.step == 0.0 && job->quality.step_voxels == 0.0)
+    if (job->quality.pixels.stride > 0 && !is_even && job->quality.step == 0.0 && job->quality.step_voxels == 0.0)
         return json_fail_expected(&step, error,
                                   "a number of metres, of the march beside paths of a part of the pixels");
     return step_check(&seen, document, error);
@@ -223,8 +223,8 @@ static bool check_pixels(const struct job *job, const struct json_node *document
     struct json_node quality = json_node_child(document, "quality"), node = json_node_child(&quality, "pixels");
     const char *obstacle = job_pixels_obstacle(&job->scene, job->quality.method);
 
-    if (job->quality.pixels.stride == 0) return true;
-    if (!obstacle) return !job_layers_are_two(job) || check_layers(job, document, error);
+    if (job->quality.pixels.stride == 0 || !obstacle)
+        return !job_layers_are_two(job) || check_layers(job, document, error);
     return json_fail(&node, error, "not with %s, which has random numbers of its own in each pixel", obstacle);
 }
 

@@ -1,4 +1,4 @@
-// The two layers of a frame by random paths whose pixels are interpolated.
+// The two layers of a frame by random paths.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,9 @@
 #include <stdbool.h>
 
 // True where a job's frames are the sum of two layers: what camera rays meet without scattering, which a march shows
-// without noise, and the light that was scattered, along random paths. Each is interpolated as it bends.
+// without noise, and the light that was scattered, along random paths. Where pixels are interpolated, each layer is as
+// it bends. A march needs a step where density varies, and paths of every pixel do without it: then they estimate what
+// is seen as well.
 bool job_layers_are_two(const struct job *job);
 // The jobs of the layers: shallow copies, never finished.
 //

@@ -230,16 +230,14 @@ static bool read_own_light_grid(const struct json_node *object, int *cells, stru
 
 static bool read_random_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "paths", "light_grid", "samples", "pixels", "max_cut", NULL};
-    static const char *const sparse_keys[] = {"method", "paths",       "light_grid", "samples", "pixels",
-                                              "step",   "step_voxels", "max_cut",    NULL};
+    static const char *const keys[] = {"method", "paths",       "light_grid", "samples", "pixels",
+                                       "step",   "step_voxels", "max_cut",    NULL};
     const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
-    struct json_node pixels = json_node_child(object, "pixels"), metres = json_node_child(object, step.key);
-    struct json_node voxels = json_node_child(object, step.voxels_key);
+    struct json_node metres = json_node_child(object, step.key), voxels = json_node_child(object, step.voxels_key);
     bool has_step = !json_node_is_absent(&metres) || !json_node_is_absent(&voxels);
 
-    return json_check_keys(object, json_node_is_absent(&pixels) ? keys : sparse_keys, error) &&
-           (!has_step || read_step(object, &step, error)) && read_own_light_grid(object, &quality->light_grid, error) &&
+    return json_check_keys(object, keys, error) && (!has_step || read_step(object, &step, error)) &&
+           read_own_light_grid(object, &quality->light_grid, error) &&
            read_count(object, "paths", JOB_PATH_LIMIT, &quality->paths, error);
 }
 

@@ -783,6 +783,10 @@ class Paths(TypedDict):
     # Random paths of a pixel.
     paths: int
     light_grid: NotRequired[PathLightGrid]
+    # Step of a march that shows what is seen without scattering, m; without one, paths show it, too.
+    step: NotRequired[float]
+    # Step of that march.
+    step_voxels: NotRequired[float]
     samples: NotRequired[int]
     max_cut: NotRequired[float]
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan.h"
 
-#include "core/job/job_layers.h"
 #include "worker/plan/plan_family.h"
 
 bool plan_refine(struct plan *plan, const struct job *job, int rungs)
@@ -64,7 +63,7 @@ struct job plan_apply(const struct plan *plan, const struct job *job)
 
     planned.quality = plan->quality;
     planned.quality.pixels = plan->pixels;
-    if (job_layers_are_two(&planned)) {
+    if (planned.quality.method == JOB_METHOD_PATHS) {
         struct plan_scene scene;
 
         plan_scene_init(&scene, job);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_family.h"
 
+#include "core/job/job_layers.h"
 #include "core/job/scattering_check.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
@@ -326,7 +327,9 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
 
 void plan_family_add_seen(const struct plan_scene *scene, struct job_quality *quality)
 {
-    if (!serves_marched(scene)) return;
+    const struct job seen = job_layers_seen(scene->job);
+
+    if (!serves_marched(scene) || !step_has_end(&seen)) return;
     set_axis(quality, PLAN_AXIS_STEP, scene,
              scene->counts_voxels ? SEEN_VOXELS_RUNG : SEEN_RUNG + 2 * scene->small_level);
 }

@@ -70,8 +70,8 @@ int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene);
 // A point of the family as a job's quality, with the job's own samples and tolerance.
 struct job_quality plan_family_quality(const struct plan_family *family, const struct plan_scene *scene,
                                        const struct plan_point *point);
-// Adds the steps of the march that shows what is seen directly beside random paths of a part of the pixels
-// (core/job/job_layers.h): fine ones, since it meets no light but what media emit.
+// Adds the steps of the march that shows what is seen directly beside random paths (core/job/job_layers.h): fine ones,
+// since it meets no light but what media emit. There are none where a march has no end.
 void plan_family_add_seen(const struct plan_scene *scene, struct job_quality *quality);
 
 // The point at which a search begins whose pilot agrees after `level` halvings of all steps.

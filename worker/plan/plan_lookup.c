@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_lookup.h"
 
-#include "core/job/job_layers.h"
-
 #include <math.h>
 
 // Another machine's exp2 may round otherwise.
@@ -94,7 +92,7 @@ bool plan_lookup(const struct plan_scene *scene, const struct job_quality *quali
     struct job_quality own = *quality;
 
     // What plan_apply adds is of no family.
-    if (job_layers_are_two(&(struct job){.quality = own})) own.step = own.step_voxels = 0.0;
+    if (own.method == JOB_METHOD_PATHS) own.step = own.step_voxels = 0.0;
     for (*family = 0; *family < plan_family_count; ++*family)
         if (plan_family_serves(&plan_families[*family], scene) &&
             find_point(&plan_families[*family], scene, &own, point))

@@ -2,7 +2,9 @@
 #include "worker/plan/plan_pixels.h"
 
 #include "core/base/log.h"
+#include "core/job/job_layers.h"
 #include "core/job/job_pixels.h"
+#include "core/job/step_check.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 #include "worker/plan/pixel_audit.h"
@@ -46,6 +48,7 @@ static const double TRACED_AGAIN = 0.35, TRACED_LONG = 0.5;
 static bool is_worthwhile(const struct job *job, const struct job_quality *quality)
 {
     const struct scene *scene = &job->scene;
+    const struct job seen = job_layers_seen(job);
     bool is_still = scene_is_constant(scene);
     // Each level would fill the grids of each moment anew.
     bool moves_grids = (quality->method == JOB_METHOD_CACHED || quality->light_grid > 0) && quality->samples > 1 &&
@@ -54,7 +57,7 @@ static bool is_worthwhile(const struct job *job, const struct job_quality *quali
     if (job->width_px < SIDE_MIN || job->height_px < SIDE_MIN || moves_grids) return false;
     if (job_pixels_obstacle(scene, quality->method)) return false;
     if (quality->method == JOB_METHOD_PATHS)
-        return truth_has_twin(job) &&
+        return truth_has_twin(job) && step_has_end(&seen) &&
                (double)job->width_px * job->height_px * quality->samples * quality->paths >= PATHS_LEAST;
     // Frames that are all the same are copied.
     return !is_still || frame_range_count(&job->frames) == 1;

@@ -66,37 +66,13 @@ static bool finds_passed(const struct scene_features *features)
     return (features->has_extinction || features->has_objects) && !features->is_scattered;
 }
 
-// Whether all media are homogeneous, so that what passes through them is known (scene_glue_walk_light.h).
-static bool knows_passed(const struct scene_features *features)
-{
-    return features->has_lights && !features->tracks_to_lights;
-}
-
-static void write_passed(FILE *out, const struct scene_features *features)
-{
-    if (!knows_passed(features)) {
-        fputs("    Spectrum passed = walk.passed / float(passes);\n", out);
-        return;
-    }
-    fputs("    float begin = max(interval.x, 0.0);\n    Spectrum passed = spectrum(1.0);\n"
-          "    if (interval.x < interval.y && interval.y > 0.0)\n"
-          "        passed = walk_passed(camera.position + begin * direction, 0u, direction, interval.y - begin);\n",
-          out);
-    if (features->has_objects)
-        fputs("    if (surface_around(shape_spans(camera.position, direction)) != 0u ||\n"
-              "        walk_wall(camera.position, direction, 0u).at < FAR_AWAY)\n        passed = spectrum(0.0);\n",
-              out);
-}
-
-// Transmittance that is not known is estimated by a fraction of the paths' number, and so is depth. Where light comes
-// from behind, its noise is the picture's, and falls with the paths' number, however large.
+// Transmittance and depth are estimated by a fraction of the paths' number. Where light comes from behind, the noise of
+// its transmittance is the picture's, and falls with the paths' number, however large.
 static void write_sums(FILE *out, const struct scene_model *model)
 {
     const struct scene_camera *camera = &model->job->scene.camera;
     bool dims = finds_passed(&model->features);
-    bool is_estimated = dims && (model->features.has_depth || !knows_passed(&model->features));
-    bool is_weighed = model->features.has_background && !knows_passed(&model->features);
-    const char *rays = !is_estimated ? "0" : is_weighed ? "max(paths / 4, 1)" : "clamp(paths / 4, 1, 256)";
+    const char *rays = !dims ? "0" : model->features.has_background ? "max(paths / 4, 1)" : "clamp(paths / 4, 1, 256)";
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n    pixel_sign(media_met(spans));\n", out);
     fprintf(out, "    vec2 clip = vec2(%.9e, ", camera->clip_near);
@@ -123,10 +99,7 @@ static void write_sums(FILE *out, const struct scene_model *model)
                   "        walk.passed = spectrum(float(passes));\n        walk.path = paths;\n    }\n",
             model->job->scene.orders);
     fputs("    Spectrum light = walk.light / float(paths);\n", out);
-    if (dims)
-        write_passed(out, &model->features);
-    else
-        fputs("    Spectrum passed = spectrum(1.0);\n", out);
+    fprintf(out, "    Spectrum passed = %s;\n", dims ? "walk.passed / float(passes)" : "spectrum(1.0)");
     if (dims) fputs("    pixel_is_dimmed = spectrum_mean(passed) < 1.0;\n", out);
 }
 

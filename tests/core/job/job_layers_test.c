@@ -11,14 +11,28 @@ static const struct job sparse = {.quality = {.method = JOB_METHOD_PATHS, .paths
                                   .scene = {.orders = SCENE_ORDERS_ALL, .has_background = true},
                                   .output = {.has_depth = true}};
 
-static void paths_of_a_part_of_the_pixels_have_two_layers(void **state)
+static void paths_beside_a_march_have_two_layers(void **state)
 {
     struct job job = sparse;
 
     (void)state;
     assert_true(job_layers_are_two(&job));
     job.quality.pixels.stride = 0;
+    assert_true(job_layers_are_two(&job));
+    job.scene.medium_count = 2;
+    job.scene.media[0].density.kind = SCENE_DENSITY_HOMOGENEOUS;
+    job.scene.media[1].density.kind = SCENE_DENSITY_NOISE;
+    job.quality.step = 0.0;
     assert_false(job_layers_are_two(&job));
+    job.quality.step_voxels = 1.0;
+    assert_true(job_layers_are_two(&job));
+    job.quality.step_voxels = 0.0;
+    job.quality.pixels.stride = 8;
+    assert_true(job_layers_are_two(&job));
+    // Homogeneous media need no step.
+    job.quality.pixels.stride = 0;
+    job.scene.medium_count = 1;
+    assert_true(job_layers_are_two(&job));
     job = sparse;
     job.quality.method = JOB_METHOD_MIDPOINT;
     assert_false(job_layers_are_two(&job));
@@ -56,7 +70,7 @@ static void scattered_light_has_its_noise_for_a_transmittance(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(paths_of_a_part_of_the_pixels_have_two_layers),
+        cmocka_unit_test(paths_beside_a_march_have_two_layers),
         cmocka_unit_test(what_is_seen_is_marched_without_lights),
         cmocka_unit_test(scattered_light_has_its_noise_for_a_transmittance),
     };

@@ -192,6 +192,8 @@ static void paths_of_a_part_of_the_pixels_are_read(void **state)
         read_quality("{\"method\":\"paths\",\"paths\":4096,\"step\":0.5,\"pixels\":{\"stride\":8,\"threshold\":0.01}}");
 
     assert_true(quality.paths == 4096 && quality.step == 0.5 && quality.pixels.stride == 8);
+    quality = read_quality("{\"method\":\"paths\",\"paths\":4096,\"step\":0.5}");
+    assert_true(quality.step == 0.5 && quality.pixels.stride == 0);
     assert_int_equal(quality.light_grid, 0);
 }
 
@@ -240,9 +242,9 @@ static void wrong_random_paths_are_refused_by_place(void **state)
                             "quality.paths: expected an integer from 1 to 1048576, got 1048577");
     job_expect_edit_refused(job_text_paths, "quality.paths", NULL,
                             "quality.paths: expected an integer from 1 to 1048576, got nothing");
-    job_expect_edit_refused(job_text_paths, "quality.step", "1",
-                            "quality: unknown key \"step\" beside method \"paths\"; known: method, paths, light_grid, "
-                            "samples, pixels, max_cut");
+    job_expect_edit_refused(job_text_paths, "quality.order", "2",
+                            "quality: unknown key \"order\" beside method \"paths\"; known: method, paths, "
+                            "light_grid, samples, pixels, step, step_voxels, max_cut");
     job_expect_edit_refused(text, "quality.scatter_grid", "3",
                             "quality.scatter_grid: expected an integer from 4 to 256, got 3");
     job_expect_edit_refused(text, "quality.scatter_grid", "257",

@@ -59,7 +59,8 @@ static void schema_and_code_agree_on_changes_of_lights_and_paths(void **state)
     schema_agreement_check_places(job_text_paths, "quality");
     schema_agreement_check_places(text, "quality");
     free(text);
-    text = json_edit_set(job_text_paths, "quality", "{\"method\":\"paths\",\"paths\":64,\"light_grid\":32}");
+    text =
+        json_edit_set(job_text_paths, "quality", "{\"method\":\"paths\",\"paths\":64,\"light_grid\":32,\"step\":0.1}");
     schema_agreement_check_places(text, "quality");
     free(text);
     text = json_edit_set(job_text_paths, "lights[2]", even);

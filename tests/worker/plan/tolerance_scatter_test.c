@@ -5,6 +5,8 @@
 #include "core/base/log.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "core/job/job_layers.h"
+#include "core/job/step_check.h"
 #include "tests/support/gl_stage.h"
 #include "tests/support/json_edit.h"
 #include "tests/support/plan_keeper.h"
@@ -66,6 +68,23 @@ static double measure_error(const struct job *job, const struct image *image)
     return sqrt(fmax(square, 0.0) / all);
 }
 
+// Alpha is a march's: it has no noise of paths, whatever the tolerance.
+static void assert_alpha_is_fine(const struct job *job, struct renderer *renderer, const struct image *image)
+{
+    struct job fine = job_layers_seen(job);
+    struct renderer_result result;
+    struct error error = {{0}};
+    struct image marched;
+
+    fine.quality.step = 0.001;
+    assert_true(image_init(&marched, job->width_px, job->height_px, false, false, NULL));
+    if (!renderer_render(renderer, &(struct renderer_frame){.job = &fine, .image = &marched}, &result, &error))
+        fail_msg("%s", error.message);
+    for (size_t i = 3; i < 4 * (size_t)job->width_px * (size_t)job->height_px; i += 4)
+        assert_true(fabsf(image->rgba[i] - marched.rgba[i]) < 2e-3F);
+    image_finish(&marched);
+}
+
 static double foretold_s;
 
 static void on_planned(void *user, double render_s)
@@ -106,6 +125,8 @@ static struct job_quality check_with(const char *density, const char *sigma_s, c
     assert_true(result.audit.error <= allowed);
     assert_true(found <= 1.25 * allowed);
     assert_true(found <= result.audit.error95);
+    if (!scene_density_is_even(&job.scene.media[0].density) && step_has_end(&job))
+        assert_alpha_is_fine(&job, stage.renderer, &image);
     image_finish(&image);
     job_finish(&job);
     tolerance_destroy(tolerance);
