@@ -1,4 +1,4 @@
-// The two layers of a frame by random paths.
+// The layers of a frame that is rendered as a sum of several.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,3 +18,13 @@ struct job job_layers_seen(const struct job *job);
 // Light that was scattered, as color alone. In place of transmittance it has by how much the mean of a pixel's paths
 // and that of the first half of them differ: a draw from the distribution of its noise.
 struct job job_layers_scattered(const struct job *job);
+
+// True where some pixels of a march are interpolated before a dome that is seen: what media let pass is smooth, and a
+// sky need not be.
+bool job_layers_have_sky(const struct job *job);
+// The jobs of these layers: shallow copies, never finished.
+//
+// All but the dome, which lights media and is not seen. It has transmittance.
+struct job job_layers_lit(const struct job *job);
+// The dome as if nothing were before it, in every pixel.
+struct job job_layers_sky(const struct job *job);

@@ -4,7 +4,6 @@
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
-#include "core/job/job_layers.h"
 #include "worker/gl/gl_context.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/picture/image.h"
@@ -321,8 +320,9 @@ out:
 bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
                      struct error *error)
 {
-    return job_layers_are_two(frame->job) ? frame_layers_add(renderer, renderer_render_layer, frame, result, error)
-                                          : renderer_render_layer(renderer, frame, result, error);
+    const struct frame_layers layers = {frame, renderer_render_layer};
+
+    return frame_layers_render(renderer, &layers, result, error);
 }
 
 void renderer_watch_links(struct renderer *renderer, void (*on_link)(void *user, bool begins), void *user)

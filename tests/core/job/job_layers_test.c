@@ -67,12 +67,44 @@ static void scattered_light_has_its_noise_for_a_transmittance(void **state)
     assert_int_equal(scattered.quality.paths, 64);
 }
 
+static void skies_are_apart_from_interpolated_marches(void **state)
+{
+    struct job job = {.quality = {.method = JOB_METHOD_CACHED, .step = 0.5, .samples = 4, .pixels = {8, 0.1}},
+                      .scene = {.orders = SCENE_ORDERS_ALL, .light_count = 2, .medium_count = 1},
+                      .output = {.has_depth = true}};
+    struct job lit, sky;
+
+    (void)state;
+    assert_false(job_layers_have_sky(&job));
+    job.scene.lights[1] = (struct scene_light){.kind = SCENE_LIGHT_DOME};
+    assert_false(job_layers_have_sky(&job));
+    job.scene.lights[1].dome.is_visible = true;
+    assert_true(job_layers_have_sky(&job));
+    lit = job_layers_lit(&job);
+    assert_int_equal(lit.scene.light_count, 2);
+    assert_true(lit.output.has_transmittance && lit.output.has_depth && !lit.scene.lights[1].dome.is_visible);
+    assert_false(job_layers_have_sky(&lit));
+    sky = job_layers_sky(&job);
+    assert_int_equal(sky.scene.light_count, 1);
+    assert_int_equal(sky.scene.medium_count, 0);
+    assert_int_equal(sky.quality.samples, 4);
+    assert_int_equal(sky.quality.pixels.stride, 0);
+    assert_true(sky.scene.lights[0].dome.is_visible);
+    // Mirrors show the dome as well.
+    job.scene.object_count = 1;
+    assert_false(job_layers_have_sky(&job));
+    job.scene.object_count = 0;
+    job.quality.pixels.stride = 0;
+    assert_false(job_layers_have_sky(&job));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_beside_a_march_have_two_layers),
         cmocka_unit_test(what_is_seen_is_marched_without_lights),
         cmocka_unit_test(scattered_light_has_its_noise_for_a_transmittance),
+        cmocka_unit_test(skies_are_apart_from_interpolated_marches),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
