@@ -12,6 +12,8 @@
 
 enum { MISTAKE_LIMIT = 64 };
 
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
 // What is right at most places. The camera is where nobody's is, so that no target coincides with it.
 static const char right[] =
     "{\"version\":1,\"name\":\"x\",\"frames\":\"0\",\"fps\":24,\"resolution\":[16,16],\"camera\":{\"position\":["
@@ -21,7 +23,7 @@ static const char right[] =
     "\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":\"mirror\"}}]},\"output\":{\"path\":"
     "\"x/x.####.exr\"}}";
 // What may be right elsewhere.
-static const char *const fillers[] = {"1", "0.5", "[0.25,0.5,0.75]", "\"x.nvdb\""};
+static const char *const fillers[] = {"1", "0.5", "90", "[0.25,0.5,0.75]", "\"x.nvdb\""};
 
 struct search {
     char *text;          // owned; the document, with what was found mended
@@ -97,6 +99,31 @@ static char *find_right(const char *path)
     return value;
 }
 
+static void cut_last_step(char *path)
+{
+    size_t length = strlen(path);
+
+    while (length > 0 && path[length - 1] != '.' && path[length - 1] != '[')
+        length--;
+    path[length > 0 ? length - 1 : 0] = '\0';
+}
+
+// Puts a value in the path's place that is right there and, if one can be, beside all that stands beside it.
+static bool try_fillers(struct search *search, const char *document, const char *path)
+{
+    char *around = xstrdup(path), *assignment;
+    bool ok = false;
+
+    cut_last_step(around);
+    for (size_t i = 0; i < 2 * COUNT(fillers) && !ok; i++) {
+        assignment = xasprintf("%s=%s", path, fillers[i % COUNT(fillers)]);
+        ok = try_edited(search, json_set(document, assignment, NULL), i < COUNT(fillers) ? around : path);
+        free(assignment);
+    }
+    free(around);
+    return ok;
+}
+
 static bool mend_value(struct search *search, const char *path)
 {
     char *value = find_right(path), *without = json_take(search->text, path, NULL), *document;
@@ -104,8 +131,7 @@ static bool mend_value(struct search *search, const char *path)
 
     if (!ok && without) ok = try_edited(search, xstrdup(without), path);
     document = without ? without : xstrdup(search->text); // a number in place of a string would become one
-    for (size_t i = 0; i < sizeof fillers / sizeof fillers[0] && !ok; i++)
-        ok = try_value(search, document, path, fillers[i]);
+    ok = ok || try_fillers(search, document, path);
     free(document);
     free(value);
     return ok;
@@ -145,15 +171,6 @@ static bool mend_key(struct search *search, const char *path)
     free(meant);
     free(key);
     return ok;
-}
-
-static void cut_last_step(char *path)
-{
-    size_t length = strlen(path);
-
-    while (length > 0 && path[length - 1] != '.' && path[length - 1] != '[')
-        length--;
-    path[length > 0 ? length - 1 : 0] = '\0';
 }
 
 // Whether the value at the path says which keys stand beside it.

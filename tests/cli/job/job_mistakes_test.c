@@ -121,6 +121,19 @@ static void a_wrong_choice_blames_nothing_beside_it(void **state)
         expected, sizeof expected / sizeof expected[0]);
 }
 
+// A spot is at most as narrow inside as outside: what is wrong outside says nothing about that.
+static void what_stands_beside_a_mistake_is_not_blamed(void **state)
+{
+    static const char *const expected[] = {"lights[0].outer: expected a number in (0, 90], got 91"};
+
+    assert_found(
+        "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[64,32],\"camera\":{\"position\":"
+        "[0,0,4],\"target\":[0,0,0],\"fov\":40},\"lights\":[{\"kind\":\"spot\",\"intensity\":1,\"position\":[0,2,0],"
+        "\"direction\":[0,-1,0],\"inner\":20,\"outer\":91}],\"scene\":{\"media\":[{\"sigma_s\":1,\"density\":{\"kind\":"
+        "\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}}]},\"output\":{\"path\":\"a/a.#.exr\"}}",
+        expected, sizeof expected / sizeof expected[0]);
+}
+
 static void a_document_that_is_no_object_is_one_mistake(void **state)
 {
     static const char *const expected[] = {"expected an object"};
@@ -135,6 +148,7 @@ int main(void)
         cmocka_unit_test(one_member_tells_several_mistakes),
         cmocka_unit_test(what_is_right_is_not_blamed),
         cmocka_unit_test(a_wrong_choice_blames_nothing_beside_it),
+        cmocka_unit_test(what_stands_beside_a_mistake_is_not_blamed),
         cmocka_unit_test(a_document_that_is_no_object_is_one_mistake),
     };
 
