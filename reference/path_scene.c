@@ -168,6 +168,69 @@ static void find_peaks(struct path_scene *scene)
     }
 }
 
+// Mean of the bounds of the density, over its extent.
+static double mean_bound(const struct majorant *majorant)
+{
+    size_t count = 1;
+    double sum = 0.0;
+
+    if (!majorant->bricks) return majorant->most;
+    for (int a = 0; a < 3; a++)
+        count *= (size_t)majorant->count[a];
+    for (size_t i = 0; i < count; i++)
+        sum += majorant->bricks[i];
+    return sum / (double)count;
+}
+
+static double mean_of(const double value[static 3])
+{
+    return (value[0] + value[1] + value[2]) / 3.0;
+}
+
+static void add_pulling_lamps(struct path_scene *scene)
+{
+    const struct still *still = scene->still;
+
+    for (size_t i = 0; i < still->light_count; i++) {
+        const struct light *light = &still->lights[i];
+        double part = light->kind == SCENE_LIGHT_SPOT ? 0.5 * (1.0 - cos(light->outer)) : 1.0;
+
+        if (scene->peaks[i].reach > 0.0) path_pull_add(&scene->pull, light->position, part * mean_of(light->intensity));
+    }
+    for (size_t i = 0; i < still->sphere_count; i++) {
+        const struct sphere_light *sphere = &still->spheres[i];
+
+        if (scene->sphere_peaks[i].reach > 0.0)
+            path_pull_add(&scene->pull, sphere->center, mean_of(sphere->radiance) * sphere->radius * sphere->radius);
+    }
+}
+
+// As if the media filled the thickest one's box evenly.
+static void find_pull(struct path_scene *scene)
+{
+    struct box box = {.half = {INFINITY, INFINITY, INFINITY}};
+    double extinction = 0.0, absorption = 0.0, thickest = 0.0;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct path_medium *medium = &scene->media[i];
+        const struct density *density = &medium->medium->density;
+        double mean = mean_bound(&medium->majorant), least = INFINITY, turned;
+
+        for (int c = 0; c < 3; c++)
+            least = fmin(least, medium->medium->sigma_a[c]);
+        turned = mean * (mean_of(medium->medium->sigma_s) * medium->turn + least);
+        extinction += turned;
+        absorption += mean * least;
+        if (!(turned > thickest)) continue;
+        thickest = turned;
+        if (!density->extent || !density->extent(density->field, &box))
+            box.half = (struct vec3){INFINITY, INFINITY, INFINITY};
+    }
+    if (!(extinction > 0.0)) return;
+    add_pulling_lamps(scene);
+    path_pull_set_fall(&scene->pull, extinction, absorption, &box);
+}
+
 static void add_medium(struct path_scene *scene, const struct medium *medium)
 {
     struct path_medium *added = &scene->media[scene->medium_count++];
@@ -195,6 +258,7 @@ void path_scene_init(struct path_scene *scene, const struct still *still, int or
         if (sigma_most(medium) > 0.0 || glows(medium)) add_medium(scene, medium);
     }
     find_peaks(scene);
+    find_pull(scene);
     if (scene->narrow) path_depth_init(&scene->depth, still);
     if (still->has_dome) dome_sampler_init(&scene->dome, &still->dome);
 }

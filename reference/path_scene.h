@@ -5,6 +5,7 @@
 #include "reference/dome_sampler.h"
 #include "reference/majorant.h"
 #include "reference/path_depth.h"
+#include "reference/path_pull.h"
 #include "reference/still.h"
 
 #include <stdbool.h>
@@ -41,6 +42,7 @@ struct path_scene {
     struct path_peak peaks[SCENE_LIGHT_LIMIT];        // of the still's lights
     struct path_peak sphere_peaks[SCENE_LIGHT_LIMIT]; // of its spheres
     struct dome_sampler dome;
+    struct path_pull pull;            // of lamps inside of media
     struct path_depth depth;          // where there are narrow lobes
     const struct path_medium *narrow; // the medium of the narrowest lobe; NULL: all scatter widely
     int orders;                       // light of lamps and domes is scattered at most so often, >= 1

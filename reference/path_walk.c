@@ -12,6 +12,8 @@
 static const double WEAK = 0.1;
 // The same where lamps are looked for, at a path's beginning; set by noise at equal time.
 static const double WEAK_TO_LAMPS = 0.3;
+// Paths that go on from one vertex, at most.
+static const double SPLIT_MOST = 8.0;
 // A path that would collide within this depth of the media's bounds is not forced to: others are one in e^-16.
 static const double SURE_DEPTH = 16.0;
 
@@ -27,6 +29,7 @@ struct walker {
     double throughput[3];
     int order;                 // scatterings so far
     double turned;             // by them: the sum of 1 less each one's mean cosine
+    double pull_first, pull;   // of lamps: at the first vertex, and how many times as great at the last, 1 at least
     struct path_vertex vertex; // the last; or the path's beginning
     struct path_aim aim;
     bool is_aimed; // a second path, which looks for one lamp alone
@@ -187,7 +190,7 @@ static double weak_throughput(const struct walker *walker)
 // False: the path ends.
 static bool survives(struct walker *walker)
 {
-    double chance = greatest(walker->throughput) / weak_throughput(walker);
+    double chance = greatest(walker->throughput) * walker->pull / weak_throughput(walker);
 
     if (chance >= 1.0) return true;
     if (!(stream_draw(walker->stream) < chance)) return false;
@@ -268,7 +271,10 @@ static enum event fly(struct walker *walker, struct stretch *stretch)
 static struct path_vertex *reach_vertex(struct walker *walker)
 {
     struct path_vertex *vertex = &walker->vertex;
+    double pull = path_pull_at(&walker->scene->pull, vertex->position);
 
+    if (is_beginning(walker)) walker->pull_first = pull;
+    if (pull > 0.0) walker->pull = fmax(pull / walker->pull_first, 1.0);
     vertex->is_first = is_beginning(walker) && walker->walk->is_seen;
     walker->turned += vertex->turn;
     walker->order++;
@@ -330,6 +336,30 @@ static void send_aimed(struct walker *walker)
     }
 }
 
+static void follow_to_end(struct walker *walker);
+
+// Has several paths go on from the vertex in place of one where the one would bring so much light.
+static void split(struct walker *walker)
+{
+    double due = greatest(walker->throughput) * walker->pull / fmax(weak_throughput(walker), 1.0);
+    int count = (int)fmin(due, SPLIT_MOST);
+    struct walker other;
+
+    if (count < 2) return;
+    for (int c = 0; c < 3; c++)
+        walker->throughput[c] /= count;
+    for (int i = 1; i < count; i++) {
+        other = *walker;
+        leave_vertex(&other, path_vertex_draw(&other.vertex, other.stream));
+        follow_to_end(&other);
+        walker->looks = other.looks;
+        for (int c = 0; c < 3; c++) {
+            walker->within[c] = other.within[c];
+            walker->beyond[c] = other.beyond[c];
+        }
+    }
+}
+
 // Collects the light at the vertex and draws where the path goes on; false: it ends.
 static bool scatter(struct walker *walker)
 {
@@ -347,6 +377,7 @@ static bool scatter(struct walker *walker)
     if (!survives(walker)) return false;
     path_aim_look(&walker->aim, scene, vertex);
     if (walker->order < scene->orders) send_aimed(walker);
+    split(walker);
     leave_vertex(walker, path_vertex_draw(vertex, walker->stream));
     return true;
 }
@@ -395,6 +426,15 @@ static bool follow(struct walker *walker)
     return event != EVENT_ENDED && scatter(walker);
 }
 
+static void follow_to_end(struct walker *walker)
+{
+    uint64_t most = walker->walk->draws_most;
+
+    while (follow(walker)) {
+        if (most > 0 && walker->stream->drawn > most) break;
+    }
+}
+
 void path_walk_force(const struct path_scene *scene, struct path_walk *walk)
 {
     struct walker walker = {
@@ -425,6 +465,7 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
         .near = walk->near,
         .far = walk->far,
         .throughput = {1.0, 1.0, 1.0},
+        .pull = 1.0,
         .vertex = {.position = walk->ray.origin, .incoming = walk->ray.direction, .throughput = {1.0, 1.0, 1.0}},
     };
 
@@ -432,9 +473,7 @@ long path_walk_add(const struct path_scene *scene, const struct path_walk *walk,
         walker.vertex = *walk->from;
         walker.ray = (struct ray){walk->from->position, path_vertex_draw(walk->from, stream)};
     }
-    while (follow(&walker)) {
-        if (walk->draws_most > 0 && stream->drawn > walk->draws_most) break;
-    }
+    follow_to_end(&walker);
     hand_over(&walker);
     return walker.looks;
 }

@@ -151,7 +151,7 @@ static void listed_pixels_are_those_of_frames(void **state)
     close_scene(&scene);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(media_alone_are_interpolated, temp_folder_create, temp_folder_destroy),
@@ -159,5 +159,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(listed_pixels_are_those_of_frames, temp_folder_create, temp_folder_destroy),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,7 +98,7 @@ static void skies_are_apart_from_interpolated_marches(void **state)
     assert_false(job_layers_have_sky(&job));
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_beside_a_march_have_two_layers),
@@ -107,5 +107,6 @@ int main(void)
         cmocka_unit_test(skies_are_apart_from_interpolated_marches),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
