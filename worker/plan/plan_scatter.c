@@ -33,6 +33,8 @@ static const double FIRST_MOST = 0.5; // the largest tolerance of a job
 static const double GRIDS_SHARE = 0.3, CHANCE = 0.5;
 // That of each axis of a march which brings scattered light.
 static const double MARCH_SHARE = 0.15;
+// A frame of few may take as many paths as are traced while its audit begins, which is settled sooner then.
+static const double PATHS_CHEAP = 7.5e5;
 // Paths that the search may trace: some seconds of a processor. Segments of more frames than MANY may take more.
 static const double PATHS_MOST = 8e6, MANY = 6.0, MORE_MOST = 4.0;
 
@@ -392,6 +394,7 @@ bool plan_scatter_complete(struct plan_scatter *scatter, struct plan *plan, enum
         if (error) *error = scatter->error;
         return false;
     }
+    if (frames < MANY) scatter_finding_refine(&finding, PATHS_CHEAP);
     set_point(scatter, plan, &finding.setting);
     log_debug("plan: scattered light: %s, error %.2e, %.2e usual paths", finding.is_found ? "found" : "the nearest",
               finding.error, finding.paths);

@@ -444,6 +444,30 @@ static bool try_lights(struct walk *walk)
     return try_grid(walk, setting, &measured);
 }
 
+void scatter_finding_refine(struct scatter_finding *finding, double paths_most)
+{
+    struct scatter_setting *setting = &finding->setting;
+    bool has_grid = setting->grid_rung != SCATTER_PIXELS;
+    double noise = finding->error * finding->error - finding->cells;
+
+    // A rung of cells and two of paths lower both parts of the error alike.
+    while (finding->is_found && setting->path_rung + 2 < SCATTER_PATH_RUNGS) {
+        double finer = 1.0, times;
+
+        if (has_grid && setting->grid_rung >= GRID_GUESSED) break;
+        if (has_grid)
+            finer = (double)scatter_grid_cells[setting->grid_rung + 1] / scatter_grid_cells[setting->grid_rung];
+        times = 2.0 * pow(finer, 3.0);
+        if (finding->paths * times > paths_most) break;
+        finding->paths *= times;
+        setting->path_rung += 2;
+        setting->grid_rung += has_grid;
+        noise /= 2.0 * finer;
+        finding->cells /= pow(finer, USUAL);
+    }
+    finding->error = sqrt(fmax(finding->cells + noise, 0.0));
+}
+
 struct scatter_finding scatter_search_run(const struct scatter_search *search)
 {
     struct walk walk = {.search = search,

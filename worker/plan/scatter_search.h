@@ -58,5 +58,8 @@ struct scatter_finding {
     bool is_found, is_stopped;
 };
 
+// Makes a setting that keeps its target finer for as long as a frame takes at most so many paths: errors of half the
+// target are audited in a fraction of the time.
+void scatter_finding_refine(struct scatter_finding *finding, double paths_most);
 // A grid that is too fine to be tried is found by those that are too coarse.
 struct scatter_finding scatter_search_run(const struct scatter_search *search);

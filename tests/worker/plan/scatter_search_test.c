@@ -243,6 +243,38 @@ static void a_search_ends_where_it_is_stopped(void **state)
     assert_int_equal(terrain.measured, 3);
 }
 
+// What is cheap is refined: both parts of the error fall, and the paths stay within what is allowed.
+static void what_is_cheap_is_refined(void **state)
+{
+    struct scatter_finding grid = {
+        .setting = {.grid_rung = 4, .path_rung = 8}, .error = 0.05, .cells = 1e-3, .paths = 1e5, .is_found = true};
+    struct scatter_finding dear = grid, pixels = grid, missed = grid;
+
+    (void)state;
+    scatter_finding_refine(&grid, 5.3e5);
+    assert_int_equal(grid.setting.grid_rung, 5);
+    assert_int_equal(grid.setting.path_rung, 10);
+    assert_float_equal(grid.paths, 2e5 * pow(22.0 / 16.0, 3.0), 1.0);
+    assert_float_equal(grid.cells, 1e-3 / pow(22.0 / 16.0, 2.5), 1e-9);
+    assert_float_equal(grid.error * grid.error - grid.cells, 1.5e-3 / 2.75, 1e-9);
+    scatter_finding_refine(&dear, 5.1e5);
+    assert_int_equal(dear.setting.grid_rung, 4);
+    assert_float_equal(dear.error, 0.05, 1e-12);
+    pixels.setting.grid_rung = SCATTER_PIXELS;
+    pixels.cells = 0.0;
+    scatter_finding_refine(&pixels, 4.1e5);
+    assert_int_equal(pixels.setting.grid_rung, SCATTER_PIXELS);
+    assert_int_equal(pixels.setting.path_rung, 12);
+    assert_float_equal(pixels.error, 0.025, 1e-12);
+    // What misses its target has other reasons.
+    missed.is_found = false;
+    scatter_finding_refine(&missed, 1e9);
+    assert_int_equal(missed.setting.grid_rung, 4);
+    // No grid is chosen untried that may take too much memory.
+    scatter_finding_refine(&grid, 1e15);
+    assert_true(scatter_grid_cells[grid.setting.grid_rung] <= 128);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -263,6 +295,7 @@ int main(void)
         cmocka_unit_test(no_grid_beyond_128_cells_is_chosen_untried),
         cmocka_unit_test(the_nearest_is_kept_where_nothing_suffices),
         cmocka_unit_test(a_search_ends_where_it_is_stopped),
+        cmocka_unit_test(what_is_cheap_is_refined),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
