@@ -135,14 +135,15 @@ static void fill_with_a_sun(struct dome *dome)
     dome->angle = 1.1;
 }
 
-// The density of drawn directions integrates to 1 over the sphere, and the mean of radiance over density is the
-// integral of the radiance, whose standard deviation the draws give.
+// The density of drawn directions integrates to 1 over the sphere, the mean of radiance over density is the integral of
+// the radiance, whose standard deviation the draws give, and the mean density of draws is the integral of its square.
 static void assert_draws_fit(const struct dome *dome, double most_variation)
 {
     enum { DRAWS = 400000 };
     struct dome_sampler sampler;
     struct random random = {31};
     double even = 0.0, even_squares = 0.0, sum = 0.0, squares = 0.0, whole = 0.0, mean, error;
+    double drawn = 0.0, whole_squares = 0.0;
 
     dome_sampler_init(&sampler, dome);
     for (int i = 0; i < DRAWS; i++) {
@@ -151,6 +152,7 @@ static void assert_draws_fit(const struct dome *dome, double most_variation)
 
         density = dome_sampler_density(&sampler, toward) * 4.0 * M_PI;
         whole += density;
+        whole_squares += density * density;
         value = radiance_of(dome, toward, 1) * 4.0 * M_PI;
         even += value;
         even_squares += value * value;
@@ -158,7 +160,9 @@ static void assert_draws_fit(const struct dome *dome, double most_variation)
             u[k] = random_between(&random, 0.0, 1.0);
         toward = dome_sampler_draw(&sampler, u);
         assert_near(vec3_length(toward), 1.0, 1e-12);
-        value = radiance_of(dome, toward, 1) / dome_sampler_density(&sampler, toward);
+        density = dome_sampler_density(&sampler, toward);
+        drawn += density * 4.0 * M_PI;
+        value = radiance_of(dome, toward, 1) / density;
         sum += value;
         squares += value * value;
     }
@@ -170,6 +174,7 @@ static void assert_draws_fit(const struct dome *dome, double most_variation)
     assert_near(mean, even, 4.0 * error + 1e-9 * mean);
     // Density is 1e5 in a 128th of the sphere at most: its own standard deviation is some 8 / sqrt(400,000).
     assert_near(whole / DRAWS, 1.0, 0.06);
+    assert_near(drawn / whole_squares, 1.0, 0.08);
 }
 
 static void draws_fit_an_image_with_a_sun(void **state)
