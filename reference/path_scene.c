@@ -19,6 +19,9 @@ static const double WIDE_G = 0.3;
 // Scattered so often that a lobe's g becomes this one, light may as well be found by chance.
 static const double SPREAD_G = 0.5;
 
+// Of an uneven medium's mean bound, as lamps in it see it.
+static const double UNEVEN = 0.5;
+
 static double g_of(const struct medium_lobe *lobe)
 {
     return lobe->kind == SCENE_LOBE_HENYEY_GREENSTEIN ? lobe->g : 0.0;
@@ -187,7 +190,36 @@ static double mean_of(const double value[static 3])
     return (value[0] + value[1] + value[2]) / 3.0;
 }
 
-static void add_pulling_lamps(struct path_scene *scene)
+// The least fall about a lamp in any of the media that hold it; 0: none does. Light finds the thin ways through what is
+// uneven, and a fall that is too quick costs more than one that is too slow.
+static double find_fall(const struct path_scene *scene, struct vec3 lamp)
+{
+    double least = INFINITY;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct medium *medium = scene->media[i].medium;
+        const struct density *density = &medium->density;
+        const struct majorant *majorant = &scene->media[i].majorant;
+        double mean = mean_bound(majorant) * (majorant->is_even ? 1.0 : UNEVEN);
+        double absorption = fmin(fmin(medium->sigma_a[0], medium->sigma_a[1]), medium->sigma_a[2]);
+        double extinction = mean_of(medium->sigma_s) * scene->media[i].turn + absorption;
+        struct box box = {.half = {INFINITY, INFINITY, INFINITY}};
+
+        if (density->extent && density->extent(density->field, &box) && !box_holds(&box, lamp)) continue;
+        if (mean * extinction > 0.0) least = fmin(least, path_pull_fall(mean * extinction, mean * absorption, &box));
+    }
+    return isinf(least) ? 0.0 : least;
+}
+
+static void add_pull(struct path_scene *scene, const struct path_peak *peak, double power)
+{
+    struct path_pull_lamp lamp = {peak->position, power, 0.0};
+
+    if (peak->reach > 0.0) lamp.fall = find_fall(scene, peak->position);
+    if (lamp.fall > 0.0) path_pull_add(&scene->pull, &lamp);
+}
+
+static void find_pull(struct path_scene *scene)
 {
     const struct still *still = scene->still;
 
@@ -195,40 +227,13 @@ static void add_pulling_lamps(struct path_scene *scene)
         const struct light *light = &still->lights[i];
         double part = light->kind == SCENE_LIGHT_SPOT ? 0.5 * (1.0 - cos(light->outer)) : 1.0;
 
-        if (scene->peaks[i].reach > 0.0) path_pull_add(&scene->pull, light->position, part * mean_of(light->intensity));
+        add_pull(scene, &scene->peaks[i], part * mean_of(light->intensity));
     }
     for (size_t i = 0; i < still->sphere_count; i++) {
         const struct sphere_light *sphere = &still->spheres[i];
 
-        if (scene->sphere_peaks[i].reach > 0.0)
-            path_pull_add(&scene->pull, sphere->center, mean_of(sphere->radiance) * sphere->radius * sphere->radius);
+        add_pull(scene, &scene->sphere_peaks[i], mean_of(sphere->radiance) * sphere->radius * sphere->radius);
     }
-}
-
-// As if the media filled the thickest one's box evenly.
-static void find_pull(struct path_scene *scene)
-{
-    struct box box = {.half = {INFINITY, INFINITY, INFINITY}};
-    double extinction = 0.0, absorption = 0.0, thickest = 0.0;
-
-    for (size_t i = 0; i < scene->medium_count; i++) {
-        const struct path_medium *medium = &scene->media[i];
-        const struct density *density = &medium->medium->density;
-        double mean = mean_bound(&medium->majorant), least = INFINITY, turned;
-
-        for (int c = 0; c < 3; c++)
-            least = fmin(least, medium->medium->sigma_a[c]);
-        turned = mean * (mean_of(medium->medium->sigma_s) * medium->turn + least);
-        extinction += turned;
-        absorption += mean * least;
-        if (!(turned > thickest)) continue;
-        thickest = turned;
-        if (!density->extent || !density->extent(density->field, &box))
-            box.half = (struct vec3){INFINITY, INFINITY, INFINITY};
-    }
-    if (!(extinction > 0.0)) return;
-    add_pulling_lamps(scene);
-    path_pull_set_fall(&scene->pull, extinction, absorption, &box);
 }
 
 static void add_medium(struct path_scene *scene, const struct medium *medium)

@@ -14,6 +14,7 @@ static const double WEAK = 0.1;
 static const double WEAK_TO_LAMPS = 0.3;
 // Paths that go on from one vertex, at most.
 static const double SPLIT_MOST = 8.0;
+enum { SPLITS_MOST = 64 }; // of a path, one after another
 // A path that would collide within this depth of the media's bounds is not forced to: others are one in e^-16.
 static const double SURE_DEPTH = 16.0;
 
@@ -30,6 +31,7 @@ struct walker {
     int order;                 // scatterings so far
     double turned;             // by them: the sum of 1 less each one's mean cosine
     double pull_first, pull;   // of lamps: at the first vertex, and how many times as great at the last, 1 at least
+    int splits;                // of the path so far
     struct path_vertex vertex; // the last; or the path's beginning
     struct path_aim aim;
     bool is_aimed; // a second path, which looks for one lamp alone
@@ -271,10 +273,10 @@ static enum event fly(struct walker *walker, struct stretch *stretch)
 static struct path_vertex *reach_vertex(struct walker *walker)
 {
     struct path_vertex *vertex = &walker->vertex;
-    double pull = path_pull_at(&walker->scene->pull, vertex->position);
+    const struct path_pull *pull = &walker->scene->pull;
 
-    if (is_beginning(walker)) walker->pull_first = pull;
-    if (pull > 0.0) walker->pull = fmax(pull / walker->pull_first, 1.0);
+    if (is_beginning(walker)) walker->pull_first = path_pull_at(pull, vertex->position);
+    walker->pull = path_pull_growth(pull, vertex->position, walker->pull_first);
     vertex->is_first = is_beginning(walker) && walker->walk->is_seen;
     walker->turned += vertex->turn;
     walker->order++;
@@ -336,6 +338,13 @@ static void send_aimed(struct walker *walker)
     }
 }
 
+static bool is_given_up(const struct walker *walker)
+{
+    uint64_t most = walker->walk->draws_most;
+
+    return most > 0 && walker->stream->drawn > most;
+}
+
 static void follow_to_end(struct walker *walker);
 
 // Has several paths go on from the vertex in place of one where the one would bring so much light.
@@ -345,10 +354,11 @@ static void split(struct walker *walker)
     int count = (int)fmin(due, SPLIT_MOST);
     struct walker other;
 
-    if (count < 2) return;
+    if (count < 2 || walker->splits >= SPLITS_MOST) return;
+    walker->splits++;
     for (int c = 0; c < 3; c++)
         walker->throughput[c] /= count;
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count && !is_given_up(walker); i++) {
         other = *walker;
         leave_vertex(&other, path_vertex_draw(&other.vertex, other.stream));
         follow_to_end(&other);
@@ -428,11 +438,8 @@ static bool follow(struct walker *walker)
 
 static void follow_to_end(struct walker *walker)
 {
-    uint64_t most = walker->walk->draws_most;
-
-    while (follow(walker)) {
-        if (most > 0 && walker->stream->drawn > most) break;
-    }
+    while (!is_given_up(walker) && follow(walker))
+        continue;
 }
 
 void path_walk_force(const struct path_scene *scene, struct path_walk *walk)

@@ -58,6 +58,8 @@ static void layers_add_up_to_all_light(void **state)
     assert_layers_add_up((struct bias_check_scene){.media = EVEN ", " NOISE, .lights = SUN LAMP});
     assert_layers_add_up((struct bias_check_scene){.media = NOISE, .lights = SKY, .background = ""});
     assert_layers_add_up((struct bias_check_scene){.media = NOISE, .lights = LAMP, .objects = FLOOR});
+    // A dome lights the floor along paths alone: a march has it behind everything.
+    assert_layers_add_up((struct bias_check_scene){.media = NOISE, .lights = SKY, .background = "", .objects = FLOOR});
 }
 
 static void parse(struct job *job, const char *media, const char *lights, const char *quality, int width, int height)

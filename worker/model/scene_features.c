@@ -114,7 +114,7 @@ static void add_lights(struct scene_features *features, const struct scene *scen
     }
     features->has_background |= features->dome_is_behind;
     features->media_are_lit = scatters && (has_walks ? features->has_lights : has_marched);
-    features->surfaces_are_lit &= features->has_lights;
+    features->surfaces_are_lit &= has_walks ? features->has_lights : has_marched;
     for (size_t i = 0; i < features->object_count; ++i)
         features->is_rgb |=
             !features->objects[i].is_grey && (!features->objects[i].is_lit || features->surfaces_are_lit);

@@ -91,6 +91,7 @@ static bool add_scattered(struct renderer *renderer, const struct frame_layers *
         *result = seen;
         return false;
     }
+    *result = (struct renderer_result){0};
     ok = image_init(&light, image->width_px, image->height_px, false, true, error) &&
          render_layer(renderer, layers, &job, &light, SHORT_SHARE, result, error);
     if (ok) result->noise = add(image, &light);
@@ -130,6 +131,7 @@ static bool add_lit(struct renderer *renderer, const struct frame_layers *layers
         *result = behind;
         return false;
     }
+    *result = (struct renderer_result){0};
     ok = image_init(&lit, image->width_px, image->height_px, image->depth != NULL, true, error) &&
          render_layer(renderer, layers, &job, &lit, SHORT_SHARE, result, error);
     if (ok) cover(image, &lit);
