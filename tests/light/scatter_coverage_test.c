@@ -31,8 +31,9 @@
 enum { WIDTH_PX = 24, HEIGHT_PX = 14, PIXELS = WIDTH_PX * HEIGHT_PX, STRATUM_LIMIT = 12 };
 // Nothing but a black light moves: all frames show the same light, and share no random number.
 enum { FRAME = 13, OTHER_FRAME = 14, POOL_FRAME = 15 };
-enum { SOLIDS_EVERY = 3 }; // scenes that paths alone show
-enum { FEW_STRIDE = 4 };   // px, where most are interpolated
+enum { SOLIDS_EVERY = 3 };  // scenes that paths alone show
+enum { SIMILAR_AFTER = 4 }; // scatterings
+enum { FEW_STRIDE = 4 };    // px, where most are interpolated
 
 static const double TRUTH_SHARE = 0.3, TRUTH_FLOOR = 0.1; // the truth's accuracy relative to the tolerance, as audits'
 static const double COVERED = 0.93;
@@ -55,6 +56,7 @@ struct campaign {
     struct stratum strata[STRATUM_LIMIT];
     int stratum_count, audit_count, seed;
     double tolerance; // of all scenes; 0: 10 and 3 %, by turns
+    bool has_other_ways;
 };
 
 struct sight {
@@ -191,7 +193,10 @@ static void fill_pool(const struct campaign *campaign, const struct sight *sight
 
 static const char *way_of(const struct job_quality *quality)
 {
-    return quality->pixels.stride > 0 ? "few pixels" : job_method_name(quality->method);
+    if (quality->pixels.stride > 0) return "few pixels";
+    if (quality->similar_after > 0) return "similar media";
+    if (quality->scatter_from == JOB_SCATTER_FROM_LIGHTS) return "particles";
+    return job_method_name(quality->method);
 }
 
 // Audits the picture several times, each time in other pixels. `pool` may be NULL.
@@ -289,6 +294,27 @@ static void try_paths(struct campaign *campaign, const struct sight *sight)
     try_quality(campaign, sight, &quality);
 }
 
+static bool emits(const struct scene *scene)
+{
+    bool emits = false;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        emits |= scene->media[i].has_emission || scene->media[i].blackbody.grid_name;
+    return emits;
+}
+
+// The same grid, filled in other ways.
+static void try_other_ways(struct campaign *campaign, const struct sight *sight, const struct job_quality *grid)
+{
+    struct job_quality quality = *grid;
+
+    quality.scatter_from = JOB_SCATTER_FROM_LIGHTS;
+    if (!emits(&sight->job.scene)) try_quality(campaign, sight, &quality);
+    quality.scatter_from = JOB_SCATTER_FROM_NODES;
+    quality.similar_after = SIMILAR_AFTER;
+    if (sight->job.scene.orders == SCENE_ORDERS_ALL) try_quality(campaign, sight, &quality);
+}
+
 // The first grid within the tolerance, and one before it.
 static void try_grids(struct campaign *campaign, const struct sight *sight)
 {
@@ -306,6 +332,7 @@ static void try_grids(struct campaign *campaign, const struct sight *sight)
         if (i + 1 == COUNT || try_error(campaign, sight, &quality) <= sight->tolerance) break;
     }
     try_quality(campaign, sight, &quality);
+    if (campaign->has_other_ways) try_other_ways(campaign, sight, &quality);
     if (i == 0) return;
     quality.scatter_grid = rungs[i - 1].cells;
     quality.paths = rungs[i - 1].paths;
@@ -345,13 +372,15 @@ struct range {
     uint64_t first, last;
     int audit_count;
     double tolerance;
+    bool has_other_ways; // to fill grids
 };
 
 static void try_range(const struct range *range, const char *volume)
 {
     struct campaign campaign = {.gl = gl_stage_open(GL_BACKEND_SOFTWARE, NULL),
                                 .audit_count = range->audit_count,
-                                .tolerance = range->tolerance};
+                                .tolerance = range->tolerance,
+                                .has_other_ways = range->has_other_ways};
 
     random_job_write_volume(volume);
     for (uint64_t seed = range->first; seed <= range->last; seed++)
@@ -374,7 +403,8 @@ static void try_range(const struct range *range, const char *volume)
 // One scene tells a wrong bound from a right one; bench/coverage has many.
 static void bounds_hold(void **state)
 {
-    try_range(&(struct range){2, 2, 8, 0.1}, temp_folder_path(state, "random.nrrd"));
+    try_range(&(struct range){.first = 2, .last = 2, .audit_count = 8, .tolerance = 0.1},
+              temp_folder_path(state, "random.nrrd"));
 }
 
 static struct range asked; // from the command line
@@ -396,6 +426,6 @@ int main(int argc, char *argv[])
 
     if (argc < 3) return cmocka_run_group_tests(tests, NULL, NULL);
     asked = (struct range){strtoull(argv[1], NULL, 10), strtoull(argv[2], NULL, 10), 10,
-                           argc > 3 ? strtod(argv[3], NULL) : 0.0};
+                           argc > 3 ? strtod(argv[3], NULL) : 0.0, true};
     return cmocka_run_group_tests(by_hand, NULL, NULL);
 }
