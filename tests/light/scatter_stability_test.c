@@ -1,5 +1,6 @@
 // What both families of light above order 1 promise where methods fail, and that auto keeps its tolerance or says why.
 // SPDX-License-Identifier: Apache-2.0
+// "svg" draws all rows, in a quarter of an hour; cmocka's own lines stand around the picture.
 // "print [SLUG [METHOD]]" prints the points of all rows, of one row, or of one method of it: docs/stability.md's table.
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -314,6 +315,63 @@ static void families_keep_their_promises(void **state)
 
 static const char *only_row, *only_method;
 
+enum { LEFT = 60, CELL_WIDTH = 62, CELL_HEIGHT = 19, ROW_HEIGHT = 24 + CELL_HEIGHT * (METHOD_COUNT + 1) };
+static const double GOOD = 0.01, FAIR = 0.1;
+
+static void draw_point(const struct point *point, int x, int y)
+{
+    const char *class = point->is_refused     ? "refused"
+                        : !point->is_finite   ? "bad"
+                        : point->error > FAIR ? "bad"
+                        : point->error > GOOD ? "fair"
+                                              : "good";
+
+    printf("<rect class=\"%s\" x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\"/>", class, x + 1, y + 1, CELL_WIDTH - 2,
+           CELL_HEIGHT - 2);
+    printf("<text class=\"cell\" x=\"%d\" y=\"%d\" text-anchor=\"middle\">", x + CELL_WIDTH / 2, y + 13);
+    if (point->is_refused)
+        printf("refused");
+    else
+        printf(point->error < 1e-3 ? "&lt; 0.1 %%" : "%.1f %%", 100 * point->error);
+    printf("</text>\n");
+    (void)fflush(stdout);
+}
+
+// The rows as a picture, in the colours of tests/light/stability_test's.
+static void draw_all(void **state)
+{
+    int width = LEFT + CELL_WIDTH * VALUE_LIMIT + 10, height = 24 + ROW_HEIGHT * ROW_COUNT + 4;
+
+    printf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" "
+           "font-family=\"sans-serif\" font-size=\"11\">\n<style>\n"
+           "text { fill: #222 } .title { font-weight: bold; font-size: 12px } .cell { fill: #111; font-size: 10px }\n"
+           ".good { fill: #8fd18f } .fair { fill: #f0cd6a } .bad { fill: #ee8a80 } .refused { fill: #c8ccd0 }\n"
+           "@media (prefers-color-scheme: dark) { text { fill: #ddd } .cell { fill: #111 } .good { fill: #5fae66 } "
+           ".fair { fill: #cfa63c } .bad { fill: #d0665c } .refused { fill: #8a9096 } }\n</style>\n"
+           "<text x=\"8\" y=\"16\">all orders; error up to %g %% is good, up to %g %% fair, more is bad</text>\n",
+           width, height, width, height, 100 * GOOD, 100 * FAIR);
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        int top = 24 + ROW_HEIGHT * (int)i;
+
+        printf("<text class=\"title\" x=\"8\" y=\"%d\">%s</text>\n", top + 16, rows[i].name);
+        for (int v = 0; v < rows[i].count; v++)
+            printf("<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">%g</text>\n", LEFT + CELL_WIDTH * v + CELL_WIDTH / 2,
+                   top + 34, rows[i].values[v]);
+        for (size_t k = 0; k < METHOD_COUNT; k++) {
+            int y = top + 20 + CELL_HEIGHT * ((int)k + 1);
+
+            printf("<text x=\"8\" y=\"%d\">%s</text>\n", y + 13, methods[k].name);
+            for (int v = 0; v < rows[i].count; v++) {
+                struct point point =
+                    measure(&rows[i], rows[i].values[v], &methods[k], temp_folder_path(state, "sky.exr"));
+
+                draw_point(&point, LEFT + CELL_WIDTH * v, y);
+            }
+        }
+    }
+    printf("</svg>\n");
+}
+
 static void print_all(void **state)
 {
     for (size_t i = 0; i < ROW_COUNT; i++)
@@ -337,6 +395,11 @@ int main(int argc, char *argv[])
         cmocka_unit_test_setup_teardown(print_all, temp_folder_create, temp_folder_destroy),
     };
 
+    const struct CMUnitTest as_picture[] = {
+        cmocka_unit_test_setup_teardown(draw_all, temp_folder_create, temp_folder_destroy),
+    };
+
+    if (argc > 1 && strcmp(argv[1], "svg") == 0) return cmocka_run_group_tests(as_picture, NULL, NULL);
     if (argc < 2 || strcmp(argv[1], "print") != 0) return cmocka_run_group_tests(tests, NULL, NULL);
     only_row = argc > 2 ? argv[2] : NULL;
     only_method = argc > 3 ? argv[3] : NULL;
