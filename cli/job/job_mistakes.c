@@ -73,10 +73,12 @@ static bool try_edited(struct search *search, char *edited, const char *path)
     return true;
 }
 
-static bool try_value(struct search *search, const char *document, const char *path, const char *value)
+// What is wrong then has to be wrong outside of `apart`.
+static bool try_value(struct search *search, const char *document, const char *path, const char *value,
+                      const char *apart)
 {
     char *assignment = xasprintf("%s=%s", path, value);
-    bool ok = try_edited(search, json_set(document, assignment, NULL), path);
+    bool ok = try_edited(search, json_set(document, assignment, NULL), apart);
 
     free(assignment);
     return ok;
@@ -111,15 +113,12 @@ static void cut_last_step(char *path)
 // Puts a value in the path's place that is right there and, if one can be, beside all that stands beside it.
 static bool try_fillers(struct search *search, const char *document, const char *path)
 {
-    char *around = xstrdup(path), *assignment;
+    char *around = xstrdup(path);
     bool ok = false;
 
     cut_last_step(around);
-    for (size_t i = 0; i < 2 * COUNT(fillers) && !ok; i++) {
-        assignment = xasprintf("%s=%s", path, fillers[i % COUNT(fillers)]);
-        ok = try_edited(search, json_set(document, assignment, NULL), i < COUNT(fillers) ? around : path);
-        free(assignment);
-    }
+    for (size_t i = 0; i < 2 * COUNT(fillers) && !ok; i++)
+        ok = try_value(search, document, path, fillers[i % COUNT(fillers)], i < COUNT(fillers) ? around : path);
     free(around);
     return ok;
 }
@@ -127,7 +126,7 @@ static bool try_fillers(struct search *search, const char *document, const char 
 static bool mend_value(struct search *search, const char *path)
 {
     char *value = find_right(path), *without = json_take(search->text, path, NULL), *document;
-    bool ok = value && try_value(search, search->text, path, value);
+    bool ok = value && try_value(search, search->text, path, value, path);
 
     if (!ok && without) ok = try_edited(search, xstrdup(without), path);
     document = without ? without : xstrdup(search->text); // a number in place of a string would become one
@@ -187,7 +186,7 @@ static bool mend(struct search *search)
 {
     char *path = xstrndup(search->error.message, path_length(search->error.message));
     char *meant = find_quoted(search->error.message, "did you mean \"");
-    bool ok = mend_key(search, path) || (meant && *path && try_value(search, search->text, path, meant));
+    bool ok = mend_key(search, path) || (meant && *path && try_value(search, search->text, path, meant, path));
 
     if (!ok && is_choice(path)) cut_last_step(path);
     while (!ok && *path) {

@@ -208,11 +208,9 @@ static bool check_layers(const struct job *job, const struct json_node *document
 {
     const struct job seen = job_layers_seen(job);
     struct json_node quality = json_node_child(document, "quality"), step = json_node_child(&quality, "step");
-    bool is_even = true;
 
-    for (size_t i = 0; i < job->scene.medium_count; i++)
-        is_even = is_even && scene_density_is_even(&job->scene.media[i].density);
-    if (job->quality.pixels.stride > 0 && !is_even && job->quality.step == 0.0 && job->quality.step_voxels == 0.0)
+    if (job->quality.pixels.stride > 0 && job->quality.step == 0.0 && job->quality.step_voxels == 0.0 &&
+        !scene_media_are_even(&job->scene))
         return json_fail_expected(&step, error,
                                   "a number of metres, of the march beside paths of a part of the pixels");
     return step_check(&seen, document, error);

@@ -4,12 +4,9 @@
 bool job_layers_are_two(const struct job *job)
 {
     const struct job_quality *quality = &job->quality;
-    bool is_even = true;
 
-    for (size_t i = 0; i < job->scene.medium_count; i++)
-        is_even = is_even && scene_density_is_even(&job->scene.media[i].density);
-    return quality->method == JOB_METHOD_PATHS &&
-           (is_even || quality->step > 0.0 || quality->step_voxels > 0.0 || quality->pixels.stride > 0);
+    return quality->method == JOB_METHOD_PATHS && (quality->step > 0.0 || quality->step_voxels > 0.0 ||
+                                                   quality->pixels.stride > 0 || scene_media_are_even(&job->scene));
 }
 
 static bool is_sky(const struct scene_light *light)

@@ -236,15 +236,6 @@ static bool check_voxels(const struct check *check)
     return true;
 }
 
-static bool media_are_even(const struct scene *scene)
-{
-    bool is_even = true;
-
-    for (size_t i = 0; i < scene->medium_count; i++)
-        is_even = is_even && scene_density_is_even(&scene->media[i].density);
-    return is_even;
-}
-
 static bool check_no_objects(const struct check *check)
 {
     struct json_node method = json_node_child(check->quality, "method");
@@ -290,7 +281,7 @@ static bool check_cached(const struct check *check)
     if (!check_voxels(check) || !check_no_objects(check) || !check_light_grids(check)) return false;
     for (size_t i = 0; i < scene->medium_count; i++)
         if (scene->media[i].density.kind != SCENE_DENSITY_GRID &&
-            (has_marched_lights(scene) || !media_are_even(scene)) && !check_march(check, i))
+            (has_marched_lights(scene) || !scene_media_are_even(scene)) && !check_march(check, i))
             return false;
     return true;
 }
@@ -301,7 +292,7 @@ static bool check_midpoint(const struct check *check)
     const struct scene *scene = &check->job->scene;
     const struct job_quality *quality = &check->job->quality;
     struct json_node light_step = json_node_child(check->quality, "light_step");
-    bool is_even = media_are_even(scene);
+    bool is_even = scene_media_are_even(scene);
 
     if (!check_voxels(check)) return false;
     if (!is_even && job_quality_states_method(quality) && !job_quality_has_majorants(quality) &&
@@ -403,7 +394,7 @@ static bool check_paths(const struct check *check)
     if (check->job->quality.light_grid == 0) return true;
     if (!has_marched_lights(&check->job->scene))
         return json_fail(&grid, check->error, "only for a sun, a point or a spot: paths lead to other lights");
-    if (media_are_even(&check->job->scene))
+    if (scene_media_are_even(&check->job->scene))
         return json_fail(&grid, check->error, "only where a density varies: what reaches others is known exactly");
     return check_light_grids(check);
 }
@@ -432,7 +423,8 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_paths(&check); // and scattering_check
     case JOB_METHOD_AUTO:
     case JOB_METHOD_DRAFT: // homogeneous media alone need no steps, nor do paths
-        return media_are_even(&job->scene) || (job->scene.orders > 1 && !step_has_end(job)) || check_midpoint(&check);
+        return scene_media_are_even(&job->scene) || (job->scene.orders > 1 && !step_has_end(job)) ||
+               check_midpoint(&check);
     }
     return false;
 }
@@ -443,7 +435,7 @@ bool step_has_end(const struct job *job)
     const struct check check = {.job = job, .span = job_time_span(job)};
     double clip = scene->camera.clip_far - scene->camera.clip_near;
 
-    for (size_t i = 0; i < scene->medium_count && !media_are_even(scene); i++) {
+    for (size_t i = 0; i < scene->medium_count && !scene_media_are_even(scene); i++) {
         const struct scene_medium *medium = &scene->media[i];
 
         if (medium->density.kind == SCENE_DENSITY_GRID) continue;

@@ -206,6 +206,15 @@ const char *scene_find_code(const struct scene *scene)
     return NULL;
 }
 
+bool scene_media_are_even(const struct scene *scene)
+{
+    bool is_even = true;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        is_even = is_even && scene_density_is_even(&scene->media[i].density);
+    return is_even;
+}
+
 bool scene_has_behind(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->light_count; i++)

@@ -180,6 +180,8 @@ void scene_add_vacuum(struct scene *scene);
 void scene_format_orders(int orders, char text[static SCENE_ORDERS_SIZE]);
 // True when something lies behind everything, a background or a visible dome: then alpha is 1.
 bool scene_has_behind(const struct scene *scene);
+// True when all media have a density that scene_density_is_even knows, or there are none.
+bool scene_media_are_even(const struct scene *scene);
 // True when nothing in the scene changes with time.
 bool scene_is_constant(const struct scene *scene);
 // True when a density may differ between frames even if all its numbers are constant: a file for each frame, or code

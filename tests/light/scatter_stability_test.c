@@ -7,6 +7,7 @@
 #include "core/job/job_json.h"
 #include "tests/support/exr_maker.h"
 #include "tests/support/shader_dir.h"
+#include "tests/support/svg_map.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/tolerance_stage.h"
 #include "worker/audit/truth.h"
@@ -342,14 +343,9 @@ static void draw_all(void **state)
 {
     int width = LEFT + CELL_WIDTH * VALUE_LIMIT + 10, height = 24 + ROW_HEIGHT * ROW_COUNT + 4;
 
-    printf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" "
-           "font-family=\"sans-serif\" font-size=\"11\">\n<style>\n"
-           "text { fill: #222 } .title { font-weight: bold; font-size: 12px } .cell { fill: #111; font-size: 10px }\n"
-           ".good { fill: #8fd18f } .fair { fill: #f0cd6a } .bad { fill: #ee8a80 } .refused { fill: #c8ccd0 }\n"
-           "@media (prefers-color-scheme: dark) { text { fill: #ddd } .cell { fill: #111 } .good { fill: #5fae66 } "
-           ".fair { fill: #cfa63c } .bad { fill: #d0665c } .refused { fill: #8a9096 } }\n</style>\n"
-           "<text x=\"8\" y=\"16\">all orders; error up to %g %% is good, up to %g %% fair, more is bad</text>\n",
-           width, height, width, height, 100 * GOOD, 100 * FAIR);
+    svg_map_begin(width, height);
+    printf("<text x=\"8\" y=\"16\">all orders; error up to %g %% is good, up to %g %% fair, more is bad</text>\n",
+           100 * GOOD, 100 * FAIR);
     for (size_t i = 0; i < ROW_COUNT; i++) {
         int top = 24 + ROW_HEIGHT * (int)i;
 

@@ -2,6 +2,7 @@
 #include "tests/support/stability_map.h"
 
 #include "tests/support/stability.h"
+#include "tests/support/svg_map.h"
 #include "worker/gl/gl_context.h"
 
 #include <math.h>
@@ -90,13 +91,7 @@ static void begin_svg(void)
 {
     int width = LEFT + CELL_WIDTH * 9 + 10, height = find_top(stability_sweep_count) + 4;
 
-    printf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" "
-           "font-family=\"sans-serif\" font-size=\"11\">\n<style>\n"
-           "text { fill: #222 } .title { font-weight: bold; font-size: 12px } .cell { fill: #111; font-size: 10px }\n"
-           ".good { fill: #8fd18f } .fair { fill: #f0cd6a } .bad { fill: #ee8a80 } .refused { fill: #c8ccd0 }\n"
-           "@media (prefers-color-scheme: dark) { text { fill: #ddd } .cell { fill: #111 } .good { fill: #5fae66 } "
-           ".fair { fill: #cfa63c } .bad { fill: #d0665c } .refused { fill: #8a9096 } }\n</style>\n",
-           width, height, width, height);
+    svg_map_begin(width, height);
     printf("<text x=\"8\" y=\"16\">error up to %g is good, up to %g fair, more is bad; so is light made, and refused "
            "is said why</text>\n",
            GOOD, FAIR);
