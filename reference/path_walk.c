@@ -316,6 +316,16 @@ static bool follow_aimed(struct walker *walker, size_t lamp)
     return true;
 }
 
+// Takes over what another way of the path found, which began with what this one had.
+static void take_back(struct walker *walker, const struct walker *other)
+{
+    walker->looks = other->looks;
+    for (int c = 0; c < 3; c++) {
+        walker->within[c] = other->within[c];
+        walker->beyond[c] = other->beyond[c];
+    }
+}
+
 static void send_aimed(struct walker *walker)
 {
     const struct path_vertex *vertex = &walker->vertex;
@@ -330,11 +340,7 @@ static void send_aimed(struct walker *walker)
         leave_vertex(&aside, path_aim_draw(&walker->aim, vertex, i, walker->stream));
         for (int k = 0; k < vertex->aim_vertices && follow_aimed(&aside, i); k++)
             continue;
-        walker->looks = aside.looks;
-        for (int c = 0; c < 3; c++) {
-            walker->within[c] = aside.within[c];
-            walker->beyond[c] = aside.beyond[c];
-        }
+        take_back(walker, &aside);
     }
 }
 
@@ -362,11 +368,7 @@ static void split(struct walker *walker)
         other = *walker;
         leave_vertex(&other, path_vertex_draw(&other.vertex, other.stream));
         follow_to_end(&other);
-        walker->looks = other.looks;
-        for (int c = 0; c < 3; c++) {
-            walker->within[c] = other.within[c];
-            walker->beyond[c] = other.beyond[c];
-        }
+        take_back(walker, &other);
     }
 }
 
